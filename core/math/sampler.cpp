@@ -1,0 +1,102 @@
+#include "core/math/sampler.h"
+
+namespace chiaro {
+namespace {
+
+uint32_t reverseBits(uint32_t x) noexcept {
+    x = __builtin_bswap32(x);
+    x = (x >> 4 & 0x0f0f0f0fu) | (x & 0x0f0f0f0fu) << 4;
+    x = (x >> 2 & 0x33333333u) | (x & 0x33333333u) << 2;
+    return (x >> 1 & 0x55555555u) | (x & 0x55555555u) << 1;
+}
+
+// A nested uniform scramble on reversed bits: each bit is flipped by a hash of the bits below it only (Laine and Karras 2011, with the
+// constants that Vegdahl published in 2021 for full avalanche).
+uint32_t laineKarras(uint32_t x, uint32_t seed) noexcept {
+    x ^= x * 0x3d20adeau;
+    x += seed;
+    x *= (seed >> 16) | 1;
+    x ^= x * 0x05526c56u;
+    x ^= x * 0x53a22864u;
+    return x;
+}
+uint32_t owenScramble(uint32_t x, uint32_t seed) noexcept { return reverseBits(laineKarras(reverseBits(x), seed)); }
+
+// Second dimension of Sobol' (direction numbers of the polynomial x + 1) in reversed-bit form: bit i of the point's reversal is the parity
+// of the index masked by a row of Pascal's triangle modulo 2, which five shift-and-xor steps multiply by (Ahmed 2024; Quilez' xor-shift
+// form).
+uint32_t sobolSecondReversed(uint32_t index) noexcept {
+    index ^= (index & 0xaaaaaaaau) >> 1;
+    index ^= (index & 0xccccccccu) >> 2;
+    index ^= (index & 0xf0f0f0f0u) >> 4;
+    index ^= (index & 0xff00ff00u) >> 8;
+    return index ^ index >> 16;
+}
+
+float toUnit(uint32_t bits) noexcept { return float(bits >> 8) * 0x1p-24f; }
+
+} // namespace
+
+uint64_t hashMix(uint64_t x) noexcept { // the finaliser of splitmix64 (Stafford's variant 13)
+    x ^= x >> 30;
+    x *= 0xbf58476d1ce4e5b9ull;
+    x ^= x >> 27;
+    x *= 0x94d049bb133111ebull;
+    return x ^ x >> 31;
+}
+
+Sampler::Sampler(uint64_t seed, SamplerKind kind, Stream stream, uint64_t pathIndex, uint32_t sample) noexcept
+    : key_(hashCombine(hashCombine(seed, uint64_t(stream) << 1 | uint64_t(kind)), pathIndex)), index_(sample), kind_(kind) {}
+
+Sampler Sampler::replay(std::span<const float> vector, Sampler beyond) noexcept {
+    beyond.vector_ = vector.data();
+    beyond.vectorSize_ = uint32_t(vector.size());
+    return beyond;
+}
+
+uint32_t Sampler::bits(uint32_t d) const noexcept {
+    const uint64_t h = hashCombine(key_, d);
+    if (kind_ == SamplerKind::independent) return uint32_t(hashCombine(h, index_) >> 32);
+    // Van der Corput of the Owen-shuffled index (whose reversal this is), scrambled again.
+    return owenScramble(laineKarras(reverseBits(index_), uint32_t(h)), uint32_t(h >> 32));
+}
+
+float Sampler::get1D() noexcept {
+    const uint32_t d = dimension_++;
+    return d < vectorSize_ ? vector_[d] : toUnit(bits(d));
+}
+
+double Sampler::getPick() noexcept {
+    const uint32_t d = dimension_++;
+    return d < vectorSize_ ? double(vector_[d]) : double(bits(d)) * 0x1p-32;
+}
+
+Point2 Sampler::get2D() noexcept {
+    if (dimension_ + 1 < vectorSize_) {
+        const float x = get1D();
+        return {x, get1D()};
+    }
+    const uint32_t d = dimension_;
+    dimension_ += 2;
+    const uint64_t h = hashCombine(key_, d), g = hashMix(h ^ 0x6a09e667f3bcc909ull);
+    if (kind_ == SamplerKind::independent) {
+        const uint64_t r = hashCombine(h, index_);
+        return {toUnit(uint32_t(r >> 32)), toUnit(uint32_t(r))};
+    }
+    const uint32_t reversed = laineKarras(reverseBits(index_), uint32_t(h)), shuffled = reverseBits(reversed);
+    return {toUnit(owenScramble(reversed, uint32_t(h >> 32))),
+            toUnit(reverseBits(laineKarras(sobolSecondReversed(shuffled), uint32_t(g))))};
+}
+
+Sampler Sampler::split(uint32_t j, uint32_t n) const noexcept {
+    Sampler s = *this;
+    if (n <= 1) return s;
+    s.key_ = hashCombine(key_, 0x517cc1b727220a95ull + dimension_); // other scrambles than the parent's later requests
+    s.index_ = index_ * n + j;
+    s.dimension_ = 0;
+    s.vector_ = nullptr;
+    s.vectorSize_ = 0;
+    return s;
+}
+
+} // namespace chiaro

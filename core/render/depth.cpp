@@ -1,0 +1,45 @@
+#include "core/render/depth.h"
+#include <algorithm>
+
+namespace chiaro {
+namespace {
+
+// Steps through cut-outs until something counts as a surface.
+float depthAlong(const Job& job, Ray ray, Hit hit) {
+    constexpr int mostCutOuts = 1000; // a ray that meets more is given up as a miss
+    for (int i = 0; i < mostCutOuts && hit; ++i) {
+        const SurfacePoint point = job.scene.point(hit, ray);
+        if (job.scene.opacity(point) >= 0.5f) return job.view.camera.depth(point.p);
+        const float tfar = ray.tfar, time = ray.time;
+        ray = point.towards(ray.d);
+        ray.tfar = tfar;
+        ray.time = time;
+        hit = job.scene.intersect(ray);
+    }
+    return infinity;
+}
+
+void depthOfTile(const Job& job, Rect tile, std::vector<float>& out) {
+    const Rect& crop = job.view.crop;
+    std::vector<Ray> rays;
+    std::vector<Hit> hits(tile.area());
+    for (uint32_t y = tile.y0; y < tile.y1; ++y)
+        for (uint32_t x = tile.x0; x < tile.x1; ++x)
+            rays.push_back(job.view.camera.ray({float(x) + 0.5f, float(y) + 0.5f}, {0.5f, 0.5f}, job.view.shutter.open));
+    job.scene.intersect(rays, hits, true);
+    std::size_t i = 0;
+    for (uint32_t y = tile.y0; y < tile.y1; ++y)
+        for (uint32_t x = tile.x0; x < tile.x1; ++x, ++i)
+            out[std::size_t(y - crop.y0) * crop.width() + (x - crop.x0)] = depthAlong(job, rays[i], hits[i]);
+}
+
+} // namespace
+
+std::vector<float> depthLayer(const Job& job) {
+    std::vector<float> depth(job.view.crop.area());
+    job.run.tiles(
+        job.view.crop, [&](Rect tile) { depthOfTile(job, tile, depth); }, nullptr);
+    return depth;
+}
+
+} // namespace chiaro

@@ -1,0 +1,12 @@
+// The depth layer: planar distance along the viewing axis, metres, of what lies under each pixel's centre, through the middle of the lens,
+// when the shutter opens. Unfiltered, since an average of depths is no depth; +inf where nothing is. Alpha counts as a surface where its
+// opacity is at least one half.
+#pragma once
+#include "core/render/integrator.h"
+#include <vector>
+
+namespace chiaro {
+
+std::vector<float> depthLayer(const Job&); // one value a pixel of the crop, rows from the top
+
+} // namespace chiaro

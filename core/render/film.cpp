@@ -1,0 +1,228 @@
+#include "core/render/film.h"
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <tuple>
+
+namespace chiaro {
+namespace {
+
+constexpr double aovUnit = 0x1p30;
+constexpr std::size_t ledgerLength = 16; // dropped samples that are located; all are counted
+constexpr uint32_t block = 8;            // pixels over which the error is pooled
+
+bool fits(const Spectrum& s) noexcept {
+    return std::fabs(s[0]) < fixedLimit && std::fabs(s[1]) < fixedLimit && std::fabs(s[2]) < fixedLimit; // false for NaN
+}
+
+} // namespace
+
+Int128 toFixed(float v) noexcept {
+    const auto bits = std::bit_cast<uint32_t>(v);
+    const int exponent = int(bits >> 23 & 0xff);
+    if (exponent == 0) return 0; // zero; denormals are far below half a unit
+    const uint32_t mantissa = (bits & 0x7fffff) | 0x800000;
+    const int shift = exponent - 150 + 48;
+    Int128 magnitude = 0;
+    if (shift >= 0) {
+        magnitude = Int128(mantissa) << shift;
+    } else if (shift >= -25) {
+        const uint32_t down = uint32_t(-shift), kept = mantissa >> down, rest = mantissa & ((1u << down) - 1), tie = 1u << (down - 1);
+        magnitude = kept + (rest > tie || (rest == tie && (kept & 1)));
+    }
+    return bits >> 31 ? -magnitude : magnitude;
+}
+
+double fromFixed(Int128 v) noexcept { return double(v) * 0x1p-48; }
+
+std::size_t FilmLayout::bytes() const noexcept {
+    const std::size_t planes = std::max<std::size_t>(1, layers.size());
+    return crop.area() * (planes * (sizeof(Int128) * 6 + (splats ? sizeof(int64_t) * 18 : 0)) + sizeof(int64_t) * 6 + 12);
+}
+
+Spectrum Outputs::total() const noexcept {
+    Spectrum sum(0);
+    for (int i = 0; i < layers(); ++i) sum += layer[i];
+    return sum;
+}
+
+Film::Film(const FilmLayout& layout)
+    : layout_(layout), planes_(int(std::max<std::size_t>(1, layout.layers.size()))), sums_(layout.crop.area() * planes_),
+      aovs_(layout.crop.area()), counts_(layout.crop.area()) {
+    if (layout.splats) splats_ = std::make_unique<Digits[]>(layout.crop.area() * planes_);
+}
+
+uint32_t Film::next(Pixel p) const noexcept { return counts_[at(p)].next; }
+
+void Film::drop(Pixel p, uint32_t sample) noexcept {
+    droppedCount_.fetch_add(1);
+    const std::lock_guard lock(mutex_);
+    const auto before = [](const DroppedSample& a, const DroppedSample& b) {
+        return std::tie(a.sample, a.pixel.y, a.pixel.x) < std::tie(b.sample, b.pixel.y, b.pixel.x);
+    };
+    const DroppedSample d{p, sample};
+    dropped_.insert(std::upper_bound(dropped_.begin(), dropped_.end(), d, before), d);
+    if (dropped_.size() > ledgerLength) dropped_.pop_back();
+}
+
+void Film::add(Pixel p, uint32_t sample, const Outputs& out) noexcept {
+    const std::size_t i = at(p);
+    Counts& counts = counts_[i];
+    counts.next = sample + 1;
+    bool good = true;
+    for (int l = 0; l < planes_; ++l) good = good && fits(out.layer[l]);
+    for (const Spectrum& a : out.aovs) good = good && fits(a);
+    if (!good) return drop(p, sample);
+    const int half = int(sample & 1);
+    ++counts.kept[half];
+    for (int l = 0; l < planes_; ++l)
+        for (int c = 0; c < 3; ++c) sums_[i + std::size_t(l) * layout_.crop.area()].half[half][c] += toFixed(out.layer[l][std::size_t(c)]);
+    for (int a = 0; a < aovCount; ++a)
+        for (int c = 0; c < 3; ++c)
+            aovs_[i][std::size_t(3 * a + c)] +=
+                int64_t(std::nearbyint(double(std::clamp(out.aovs[a][std::size_t(c)], -1.f, 1.f)) * aovUnit));
+}
+
+void Film::splat(Pixel p, Layer layer, const Spectrum& v, Half half) noexcept {
+    const Rect& crop = layout_.crop;
+    if (layer == 0 || p.x < crop.x0 || p.x >= crop.x1 || p.y < crop.y0 || p.y >= crop.y1) return;
+    if (!fits(v)) return drop(p, 0);
+    const std::size_t plane = planes_ == 1 ? 0 : layer - 1u;
+    Digits& digits = splats_[at(p) + plane * crop.area()];
+    for (int c = 0; c < 3; ++c) {
+        // Carry-save: three digits of 32 bits, each in a counter of 64, so that 2^31 additions need no carry between them.
+        const Int128 fixed = toFixed(v[std::size_t(c)]);
+        auto& d = digits.digit[int(half)][c];
+        d[0].fetch_add(int64_t(uint32_t(fixed)), std::memory_order_relaxed);
+        d[1].fetch_add(int64_t(uint32_t(fixed >> 32)), std::memory_order_relaxed);
+        d[2].fetch_add(int64_t(fixed >> 64), std::memory_order_relaxed);
+    }
+}
+
+void Film::lightPaths(double count, Half half) noexcept {
+    const std::lock_guard lock(mutex_);
+    lightPaths_[int(half)] += count;
+}
+
+Spectrum Film::value(std::size_t pixel, int layer, int half) const noexcept {
+    const Counts& n = counts_[pixel];
+    const double count = half == 2 ? double(n.kept[0]) + n.kept[1] : double(n.kept[half]);
+    const double paths = half == 2 ? lightPaths_[0] + lightPaths_[1] : lightPaths_[half];
+    const std::size_t i = pixel + std::size_t(layer) * layout_.crop.area();
+    Spectrum result(0);
+    for (std::size_t c = 0; c < 3; ++c) {
+        double v = 0;
+        const auto& s = sums_[i].half;
+        if (count > 0) v += fromFixed(half == 2 ? s[0][c] + s[1][c] : s[half][c]) / count;
+        if (splats_ && paths > 0) {
+            Int128 sum = 0;
+            for (int h = half == 2 ? 0 : half; h <= (half == 2 ? 1 : half); ++h) {
+                const auto& d = splats_[i].digit[h][c];
+                sum += Int128(d[0].load()) + (Int128(d[1].load()) << 32) + (Int128(d[2].load()) << 64);
+            }
+            v += fromFixed(sum) / paths;
+        }
+        result[c] = float(v);
+    }
+    return result;
+}
+
+Spectrum Film::mean(Pixel p, int layer) const noexcept { return value(at(p), layer, 2); }
+Spectrum Film::mean(Pixel p) const noexcept {
+    Spectrum sum(0);
+    for (int l = 0; l < planes_; ++l) sum += value(at(p), l, 2);
+    return sum;
+}
+Spectrum Film::halfMean(Pixel p, Half half) const noexcept {
+    Spectrum sum(0);
+    for (int l = 0; l < planes_; ++l) sum += value(at(p), l, int(half));
+    return sum;
+}
+
+Spectrum Film::aov(Pixel p, Aov which) const noexcept {
+    const double n = count(p);
+    if (n == 0) return Spectrum(0);
+    const auto& a = aovs_[at(p)];
+    const auto value = [&](int c) { return float(double(a[std::size_t(3 * int(which) + c)]) / aovUnit / n); };
+    return {value(0), value(1), value(2)};
+}
+
+uint32_t Film::count(Pixel p) const noexcept {
+    const Counts& c = counts_[at(p)];
+    return c.kept[0] + c.kept[1];
+}
+
+std::vector<Spectrum> Film::standardError() const {
+    const Rect& crop = layout_.crop;
+    const uint32_t columns = (crop.width() + block - 1) / block, rows = (crop.height() + block - 1) / block;
+    std::vector<Rgb<double>> sums(std::size_t(columns) * rows);
+    std::vector<uint32_t> counts(sums.size());
+    const auto blockOf = [&](uint32_t x, uint32_t y) { return std::size_t(y / block) * columns + x / block; };
+    for (uint32_t y = 0; y < crop.height(); ++y)
+        for (uint32_t x = 0; x < crop.width(); ++x) {
+            const Pixel p{crop.x0 + x, crop.y0 + y};
+            const Counts& n = counts_[at(p)];
+            if (n.kept[0] == 0 || n.kept[1] == 0) continue;
+            const Spectrum a = halfMean(p, Half::even), b = halfMean(p, Half::odd);
+            for (std::size_t c = 0; c < 3; ++c) sums[blockOf(x, y)][c] += sqr((double(a[c]) - double(b[c])) / 2);
+            ++counts[blockOf(x, y)];
+        }
+    std::vector<Spectrum> result(crop.area());
+    for (uint32_t y = 0; y < crop.height(); ++y)
+        for (uint32_t x = 0; x < crop.width(); ++x) {
+            const std::size_t k = blockOf(x, y);
+            for (std::size_t c = 0; c < 3; ++c)
+                result[std::size_t(y) * crop.width() + x][c] = counts[k] ? float(std::sqrt(sums[k][c] / counts[k])) : 0.f;
+        }
+    return result;
+}
+
+Film::Mean Film::meanLuminance() const {
+    const Rect& crop = layout_.crop;
+    double sum = 0, squares = 0;
+    for (uint32_t y = crop.y0; y < crop.y1; ++y)
+        for (uint32_t x = crop.x0; x < crop.x1; ++x) {
+            sum += luminance(mean({x, y}));
+            const Counts& n = counts_[at({x, y})];
+            if (n.kept[0] == 0 || n.kept[1] == 0) continue;
+            squares += sqr((double(luminance(halfMean({x, y}, Half::even))) - double(luminance(halfMean({x, y}, Half::odd)))) / 2);
+        }
+    const double n = double(crop.area());
+    return {sum / n, std::sqrt(squares) / n};
+}
+
+double Film::noise() const {
+    const Mean m = meanLuminance();
+    // sqrt(sum d^2 / n) / mean, with the error of the mean being sqrt(sum d^2) / n.
+    return done_ < 2 ? std::nan("") : m.error * std::sqrt(double(layout_.crop.area())) / m.value;
+}
+
+std::vector<DroppedSample> Film::droppedSamples() const {
+    const std::lock_guard lock(mutex_);
+    return dropped_;
+}
+
+void Film::merge(const Film& other) {
+    for (std::size_t i = 0; i < sums_.size(); ++i)
+        for (int h = 0; h < 2; ++h)
+            for (int c = 0; c < 3; ++c) sums_[i].half[h][c] += other.sums_[i].half[h][c];
+    for (std::size_t i = 0; i < counts_.size(); ++i) {
+        counts_[i].next = std::max(counts_[i].next, other.counts_[i].next);
+        for (int h = 0; h < 2; ++h) counts_[i].kept[h] += other.counts_[i].kept[h];
+        for (std::size_t c = 0; c < 6; ++c) aovs_[i][c] += other.aovs_[i][c];
+    }
+    if (splats_)
+        for (std::size_t i = 0; i < sums_.size(); ++i)
+            for (int h = 0; h < 2; ++h)
+                for (int c = 0; c < 3; ++c)
+                    for (int d = 0; d < 3; ++d) splats_[i].digit[h][c][d].fetch_add(other.splats_[i].digit[h][c][d].load());
+    for (int h = 0; h < 2; ++h) lightPaths_[h] += other.lightPaths_[h];
+    done_ = std::max(done_, other.done_);
+    droppedCount_.fetch_add(other.droppedCount_.load());
+    for (const DroppedSample& d : other.droppedSamples()) {
+        drop(d.pixel, d.sample);
+        droppedCount_.fetch_sub(1);
+    }
+}
+
+} // namespace chiaro

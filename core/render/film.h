@@ -1,0 +1,121 @@
+// Film: all mutable state of a picture. Sums are exact, so that any order of additions, any cut into passes and any number of threads give
+// the same bits: a sample is rounded to a multiple of 2^-48 and added as an integer of 128 bits. The error of the picture is estimated
+// from half-films (even and odd samples). Filter weights are 1 (filter importance sampling): a pixel is sum over count.
+#pragma once
+#include "core/math/ray.h"
+#include "core/render/path_classes.h"
+#include <array>
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace chiaro {
+
+__extension__ typedef __int128 Int128;
+
+// v as a multiple of 2^-48, rounded to nearest, ties to even; |v| must be below 2^36.
+Int128 toFixed(float v) noexcept;
+double fromFixed(Int128) noexcept;
+inline constexpr float fixedLimit = 0x1p36f;
+
+enum class Half : uint8_t { even, odd };
+enum class Aov : uint8_t { albedo, normal };
+inline constexpr int aovCount = 2;
+
+struct FilmLayout {
+    uint32_t width = 0, height = 0;  // of the whole picture
+    Rect crop;                       // the part that this film holds
+    std::vector<std::string> layers; // names of the layers 1, 2, ...; empty: beauty alone
+    bool splats = false;
+    std::size_t bytes() const noexcept; // that a film of this layout takes
+};
+
+// What one path gives: a plain value. Scaled and splatted by a chain, or added to the film by the tile loop.
+class Outputs {
+public:
+    static constexpr int maxLayers = 32;
+    Spectrum layer[maxLayers]; // used up to the layout's count; without layers everything is in 0
+    Spectrum aovs[aovCount];
+    uint32_t lightPaths = 0; // shot for this sample; summed into the film's divisor of splats
+
+    explicit Outputs(const FilmLayout& layout) noexcept : last_(layout.layers.empty() ? 0 : uint8_t(layout.layers.size() - 1)) {}
+    void add(Layer l, const Spectrum& v) noexcept {
+        if (l != 0) layer[last_ == 0 ? 0 : l - 1] += v;
+    }
+    void aov(Aov which, const Spectrum& v) noexcept { aovs[int(which)] = v; }
+    int layers() const noexcept { return last_ + 1; }
+    Spectrum total() const noexcept;
+
+private:
+    uint8_t last_;
+};
+
+// A sample that was not finite (or beyond 2^36) and was left out.
+struct DroppedSample {
+    Pixel pixel;
+    uint32_t sample = 0;
+    friend bool operator==(const DroppedSample&, const DroppedSample&) = default;
+};
+
+class Film {
+public:
+    explicit Film(const FilmLayout&);
+    const FilmLayout& layout() const noexcept { return layout_; }
+
+    uint32_t next(Pixel) const noexcept;                       // the sample index that this pixel takes next
+    void add(Pixel, uint32_t sample, const Outputs&) noexcept; // one thread a pixel
+    void splat(Pixel, Layer, const Spectrum&, Half) noexcept;  // any thread
+    void lightPaths(double count, Half) noexcept;              // the divisor of splats; any thread, between passes
+
+    Spectrum mean(Pixel) const noexcept;
+    Spectrum mean(Pixel, int layer) const noexcept; // layer: index into layout().layers
+    Spectrum halfMean(Pixel, Half) const noexcept;
+    Spectrum aov(Pixel, Aov) const noexcept;
+    uint32_t count(Pixel) const noexcept;
+    // Standard error of mean(), per channel: |even - odd| / 2, pooled (root mean square) over the 8 x 8 block of the pixel. 0 with one half
+    // only.
+    std::vector<Spectrum> standardError() const;
+    // Relative error of the picture: root mean square of the luminance's standard error over the mean luminance. NaN while there is none.
+    double noise() const;
+    // Mean luminance over the crop, and its standard error from the two halves of 16 x 16 blocks (independent between pixels).
+    struct Mean {
+        double value = 0, error = 0;
+    };
+    Mean meanLuminance() const;
+
+    uint32_t done() const noexcept { return done_; } // samples that every pixel has
+    void setDone(uint32_t samples) noexcept { done_ = samples; }
+    uint64_t dropped() const noexcept { return droppedCount_.load(); }
+    std::vector<DroppedSample> droppedSamples() const; // the first few by (sample, y, x)
+    void merge(const Film&);                           // of disjoint samples
+
+private:
+    struct Sums {
+        Int128 half[2][3] = {};
+    };
+    struct Digits {
+        std::atomic<int64_t> digit[2][3][3];
+    }; // half, channel, 32-bit digit
+    struct Counts {
+        uint32_t next = 0, kept[2] = {};
+    };
+    std::size_t at(Pixel p) const noexcept { return std::size_t(p.y - layout_.crop.y0) * layout_.crop.width() + (p.x - layout_.crop.x0); }
+    Spectrum value(std::size_t pixel, int layer, int half) const noexcept; // half 2: both
+    void drop(Pixel, uint32_t sample) noexcept;
+
+    FilmLayout layout_;
+    int planes_;
+    std::vector<Sums> sums_;                   // plane by plane
+    std::vector<std::array<int64_t, 6>> aovs_; // multiples of 2^-30
+    std::vector<Counts> counts_;
+    std::unique_ptr<Digits[]> splats_;
+    double lightPaths_[2] = {};
+    uint32_t done_ = 0;
+    std::atomic<uint64_t> droppedCount_{0};
+    mutable std::mutex mutex_;
+    std::vector<DroppedSample> dropped_;
+};
+
+} // namespace chiaro

@@ -1,0 +1,239 @@
+#include "core/scene/accel.h"
+#include "core/math/sampler.h"
+#include "core/render/error.h"
+#include <bit>
+#include <embree3/rtcore.h>
+#include <fmt/format.h>
+#include <map>
+
+namespace chiaro {
+namespace {
+
+constexpr std::size_t width = 16;
+
+struct DeviceDeleter {
+    void operator()(RTCDevice d) const noexcept { rtcReleaseDevice(d); }
+};
+struct SceneDeleter {
+    void operator()(RTCScene s) const noexcept { rtcReleaseScene(s); }
+};
+struct GeometryDeleter {
+    void operator()(RTCGeometry g) const noexcept { rtcReleaseGeometry(g); }
+};
+using Device = std::unique_ptr<RTCDeviceTy, DeviceDeleter>;
+using SceneHandle = std::unique_ptr<RTCSceneTy, SceneDeleter>;
+using GeometryHandle = std::unique_ptr<RTCGeometryTy, GeometryDeleter>;
+
+void check(RTCDevice device) {
+    const RTCError e = rtcGetDeviceError(device);
+    if (e == RTC_ERROR_NONE) return;
+    if (e == RTC_ERROR_OUT_OF_MEMORY)
+        throw Error(Exit::resources, "the ray-tracing hierarchy does not fit into memory; use a smaller scene or more instances");
+    throw Error(Exit::internal, fmt::format("Embree reports error {}", int(e)));
+}
+
+std::string bestIsa() {
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq") &&
+        __builtin_cpu_supports("avx512bw"))
+        return "avx512";
+    if (__builtin_cpu_supports("avx2")) return "avx2";
+    if (__builtin_cpu_supports("avx")) return "avx";
+    return __builtin_cpu_supports("sse4.2") ? "sse4.2" : "sse2";
+}
+
+std::string chooseIsa(const std::string& wanted) {
+    static const std::vector<std::string> known = {"sse2", "sse4.2", "avx", "avx2", "avx512"};
+    const std::string best = bestIsa();
+    if (wanted.empty()) return best;
+    const auto rank = [](const std::string& isa) { return std::find(known.begin(), known.end(), isa) - known.begin(); };
+    if (rank(wanted) == std::ssize(known))
+        throw Error(Exit::usage, fmt::format("no instruction set \"{}\"; have {}", wanted, fmt::join(known, ", ")));
+    if (rank(wanted) > rank(best)) throw Error(Exit::unsupported, fmt::format("this machine has no {}; its best is {}", wanted, best));
+    return wanted;
+}
+
+// Embree aborts the process on a ray that is not finite.
+bool usable(const Ray& r) noexcept {
+    constexpr float far = 1e18f;
+    return maxAbs(r.o) < far && maxAbs(r.d) <= 1.001f && r.tnear >= 0 && r.tnear <= r.tfar && finite(r.d) && finite(r.o);
+}
+
+uint32_t identity(const Ray& r) noexcept {
+    const auto pair = [](float a, float b) { return uint64_t(std::bit_cast<uint32_t>(a)) << 32 | std::bit_cast<uint32_t>(b); };
+    return uint32_t(hashCombine(hashCombine(pair(r.o.x, r.o.y), pair(r.o.z, r.time)), hashCombine(pair(r.d.x, r.d.y), pair(r.d.z, 0))));
+}
+
+struct CutOut { // user data of a cut-out geometry
+    const OpacityAt* opacity;
+    uint32_t geometry;
+};
+
+void filterCutOut(const RTCFilterFunctionNArguments* a) {
+    const auto& cut = *static_cast<const CutOut*>(a->geometryUserPtr);
+    for (unsigned i = 0; i < a->N; ++i) {
+        if (a->valid[i] == 0) continue;
+        Hit hit;
+        hit.geometry = cut.geometry;
+        hit.triangle = RTCHitN_primID(a->hit, a->N, i);
+        hit.u = RTCHitN_u(a->hit, a->N, i);
+        hit.v = RTCHitN_v(a->hit, a->N, i);
+        const float opacity = (*cut.opacity)(hit);
+        if (opacity >= 1) continue;
+        const uint64_t place = uint64_t(RTCHitN_instID(a->hit, a->N, i, 0)) << 32 | cut.geometry;
+        const uint64_t h = hashCombine(hashCombine(RTCRayN_id(a->ray, a->N, i), place), hit.triangle);
+        if (float(h >> 40) * 0x1p-24f >= opacity) a->valid[i] = 0;
+    }
+}
+
+} // namespace
+
+struct Accel::Impl {
+    Device device;
+    OpacityAt opacity;
+    std::vector<CutOut> cutOuts; // stable: sized before the geometries point into it
+    std::map<uint32_t, SceneHandle> meshes;
+    SceneHandle top;
+    uint32_t topCount = 0;
+    std::vector<uint32_t> firstGeometry; // of each instance
+
+    SceneHandle newScene() const {
+        SceneHandle scene(rtcNewScene(device.get()));
+        rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST); // without it 1 random ray in 500,000 leaks through an edge
+        return scene;
+    }
+    void attach(RTCScene scene, const Geometry& g, uint32_t index, uint32_t id) {
+        if (g.indices.empty()) return;
+        const GeometryHandle handle(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
+        rtcSetSharedGeometryBuffer(handle.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, g.positions.data(), 0, sizeof(Vec3),
+                                   g.positions.size() - 1);
+        rtcSetSharedGeometryBuffer(handle.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, g.indices.data(), 0, 3 * sizeof(uint32_t),
+                                   g.triangles());
+        if (g.cutOut) {
+            cutOuts[index] = {&opacity, index};
+            rtcSetGeometryUserData(handle.get(), &cutOuts[index]);
+            rtcSetGeometryIntersectFilterFunction(handle.get(), filterCutOut);
+            rtcSetGeometryOccludedFilterFunction(handle.get(), filterCutOut);
+        }
+        rtcCommitGeometry(handle.get());
+        rtcAttachGeometryByID(scene, handle.get(), id);
+    }
+    void attach(const Instance& instance, uint32_t id) {
+        const GeometryHandle handle(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
+        rtcSetGeometryInstancedScene(handle.get(), meshes.at(instance.firstGeometry).get());
+        rtcSetGeometryTimeStepCount(handle.get(), 1);
+        rtcSetGeometryTransform(handle.get(), 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, instance.toWorld.m);
+        rtcCommitGeometry(handle.get());
+        rtcAttachGeometryByID(top.get(), handle.get(), id);
+    }
+    uint32_t rayId(const Ray& r) const noexcept { return cutOuts.empty() ? 0 : identity(r); }
+    Hit decode(uint32_t geomId, uint32_t primId, uint32_t instId, float u, float v, float t) const noexcept {
+        if (geomId == RTC_INVALID_GEOMETRY_ID) return {};
+        if (instId == RTC_INVALID_GEOMETRY_ID) return {geomId, primId, Hit::none, u, v, t};
+        const uint32_t instance = instId - topCount;
+        return {firstGeometry[instance] + geomId, primId, instance, u, v, t};
+    }
+};
+
+Accel::Accel(std::span<const Geometry> geometries, std::size_t top, std::span<const Instance> instances, OpacityAt opacity,
+             const std::string& isa)
+    : impl_(std::make_unique<Impl>()), isa_(chooseIsa(isa)) {
+    impl_->device.reset(rtcNewDevice(fmt::format("isa={}", isa_).c_str()));
+    if (!impl_->device) check(nullptr);
+    impl_->opacity = std::move(opacity);
+    impl_->topCount = uint32_t(top);
+    if (std::any_of(geometries.begin(), geometries.end(), [](const Geometry& g) { return g.cutOut; }))
+        impl_->cutOuts.resize(geometries.size());
+    impl_->top = impl_->newScene();
+    for (uint32_t i = 0; i < top; ++i) impl_->attach(impl_->top.get(), geometries[i], i, i);
+    for (uint32_t i = 0; i < instances.size(); ++i) {
+        const Instance& instance = instances[i];
+        impl_->firstGeometry.push_back(instance.firstGeometry);
+        SceneHandle& mesh = impl_->meshes[instance.firstGeometry];
+        if (!mesh) {
+            mesh = impl_->newScene();
+            for (uint32_t k = 0; k < instance.geometryCount; ++k)
+                impl_->attach(mesh.get(), geometries[instance.firstGeometry + k], instance.firstGeometry + k, k);
+            rtcCommitScene(mesh.get());
+        }
+        impl_->attach(instance, uint32_t(top) + i);
+    }
+    rtcCommitScene(impl_->top.get());
+    check(impl_->device.get());
+}
+Accel::~Accel() = default;
+
+std::string Accel::version() { return RTC_VERSION_STRING; }
+
+Hit Accel::intersect(const Ray& r) const noexcept {
+    if (!usable(r)) return {};
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRayHit q;
+    q.ray = {r.o.x, r.o.y, r.o.z, r.tnear, r.d.x, r.d.y, r.d.z, r.time, r.tfar, ~0u, impl_->rayId(r), 0};
+    q.hit.geomID = q.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(impl_->top.get(), &context, &q);
+    return impl_->decode(q.hit.geomID, q.hit.primID, q.hit.instID[0], q.hit.u, q.hit.v, q.ray.tfar);
+}
+
+bool Accel::occluded(const Ray& r) const noexcept {
+    if (!usable(r)) return true;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRay q{r.o.x, r.o.y, r.o.z, r.tnear, r.d.x, r.d.y, r.d.z, r.time, r.tfar, ~0u, impl_->rayId(r), 0};
+    rtcOccluded1(impl_->top.get(), &context, &q);
+    return q.tfar < 0;
+}
+
+namespace {
+
+// Fills lane k of a packet; false leaves the lane out.
+bool put(RTCRay16& q, std::size_t k, const Ray& r, uint32_t id) noexcept {
+    q.org_x[k] = r.o.x;
+    q.org_y[k] = r.o.y;
+    q.org_z[k] = r.o.z;
+    q.tnear[k] = r.tnear;
+    q.dir_x[k] = r.d.x;
+    q.dir_y[k] = r.d.y;
+    q.dir_z[k] = r.d.z;
+    q.time[k] = r.time;
+    q.tfar[k] = r.tfar;
+    q.mask[k] = ~0u;
+    q.id[k] = id;
+    q.flags[k] = 0;
+    return usable(r);
+}
+
+} // namespace
+
+void Accel::intersect(std::span<const Ray> rays, std::span<Hit> hits, bool coherent) const noexcept {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    if (coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    for (std::size_t first = 0; first < rays.size(); first += width) {
+        const std::size_t n = std::min(width, rays.size() - first);
+        alignas(64) RTCRayHit16 q;
+        alignas(64) int valid[width] = {};
+        for (std::size_t k = 0; k < n; ++k) {
+            valid[k] = put(q.ray, k, rays[first + k], impl_->rayId(rays[first + k])) ? -1 : 0;
+            q.hit.geomID[k] = q.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+        }
+        rtcIntersect16(valid, impl_->top.get(), &context, &q);
+        for (std::size_t k = 0; k < n; ++k)
+            hits[first + k] = impl_->decode(q.hit.geomID[k], q.hit.primID[k], q.hit.instID[0][k], q.hit.u[k], q.hit.v[k], q.ray.tfar[k]);
+    }
+}
+
+void Accel::occluded(std::span<const Ray> rays, std::span<uint8_t> answers) const noexcept {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    for (std::size_t first = 0; first < rays.size(); first += width) {
+        const std::size_t n = std::min(width, rays.size() - first);
+        alignas(64) RTCRay16 q;
+        alignas(64) int valid[width] = {};
+        for (std::size_t k = 0; k < n; ++k) valid[k] = put(q, k, rays[first + k], impl_->rayId(rays[first + k])) ? -1 : 0;
+        rtcOccluded16(valid, impl_->top.get(), &context, &q);
+        for (std::size_t k = 0; k < n; ++k) answers[first + k] = valid[k] == 0 || q.tfar[k] < 0;
+    }
+}
+
+} // namespace chiaro

@@ -1,0 +1,61 @@
+// Accel: the bounding volume hierarchy. Every call to Embree in the program is in accel.cpp. Two levels: meshes that several nodes use are
+// built once and instanced, all other geometry lies in world space in the top level.
+#pragma once
+#include "core/math/ray.h"
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace chiaro {
+
+// A compiled triangle list. Normals, tangents, UVs and colours are empty or one a vertex.
+struct Geometry {
+    std::vector<Vec3> positions; // one more than the vertices at the end: Embree reads 16 bytes at a time
+    std::vector<uint32_t> indices;
+    std::vector<Vec3> normals;
+    std::vector<Vec4> tangents;
+    std::vector<Point2> uv[2];
+    std::vector<Vec4> colors;
+    uint32_t material = 0;
+    uint32_t firstLight = ~0u; // of its first triangle, where the geometry lies in the top level; instances keep their own
+    bool cutOut = false;       // opacity below 1 somewhere: rays ask
+    uint32_t triangles() const noexcept { return uint32_t(indices.size() / 3); }
+    std::span<const uint32_t, 3> triangle(uint32_t i) const noexcept {
+        return std::span<const uint32_t, 3>(&indices[std::size_t(i) * 3], 3);
+    }
+};
+
+struct Instance {
+    AffineT<float> toWorld, toLocal;
+    uint32_t firstGeometry = 0, geometryCount = 0; // of the mesh
+    std::vector<uint32_t> firstLights;             // one a geometry; ~0u: not a light
+    bool flipped = false;                          // negative determinant: the front is the clockwise side of the stored winding
+};
+
+// The opacity of cut-out geometry at a hit (its t is not set), in [0, 1]. A ray passes with probability 1 - opacity, by a hash of the ray
+// and the triangle: the same ray always gets the same answer.
+using OpacityAt = std::function<float(const Hit&)>;
+
+class Accel {
+public:
+    // The first `top` geometries lie in world space; the rest belong to meshes, which instances name by their first geometry.
+    Accel(std::span<const Geometry>, std::size_t top, std::span<const Instance>, OpacityAt, const std::string& isa);
+    ~Accel();
+    Hit intersect(const Ray&) const noexcept;
+    void intersect(std::span<const Ray>, std::span<Hit>, bool coherent) const noexcept;
+    bool occluded(const Ray&) const noexcept;
+    void occluded(std::span<const Ray>, std::span<uint8_t>) const noexcept;
+    const std::string& isa() const noexcept { return isa_; }
+    static std::string version(); // of Embree
+
+    struct Impl;
+
+private:
+    std::unique_ptr<Impl> impl_;
+    std::string isa_;
+};
+
+} // namespace chiaro

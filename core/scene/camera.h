@@ -1,0 +1,35 @@
+// Camera: the view's ray for a raster position, and the importance it emits towards a point (for splatting light paths). Raster
+// coordinates are pixels, (0, 0) the upper left corner of the picture, x to the right, y down; pixel (i, j) has its centre at (i + .5, j +
+// .5).
+#pragma once
+#include "core/math/ray.h"
+#include "core/scene/desc.h"
+
+namespace chiaro {
+
+class Scene;
+
+class Camera {
+public:
+    Camera() = default;
+    // The view of a description on a picture of width x height pixels. Where the aspects differ, the vertical angle is kept.
+    Camera(const CameraDesc&, uint32_t width, uint32_t height);
+    // lens: uniform in the unit square, unused by a pinhole.
+    Ray ray(Point2 raster, Point2 lens, float time) const noexcept;
+    Footprint footprint() const noexcept { return footprint_; } // of one pixel
+    // Planar depth: the distance along the viewing axis.
+    float depth(const Vec3& p) const noexcept;
+    const Vec3& position() const noexcept { return position_; }
+    const Vec3& axis() const noexcept { return axis_; }
+
+private:
+    Projection projection_ = Projection::perspective;
+    Vec3 position_, axis_{0, 0, -1}, right_{1, 0, 0}, up_{0, 1, 0};
+    float width_ = 1, height_ = 1, halfX_ = 1, halfY_ = 1; // half extents on the plane at distance 1
+    Footprint footprint_;
+};
+
+// A camera that shows all of the scene: three-quarter view from the front, slightly above, 40 degrees.
+CameraDesc frameScene(const Scene&, double aspect);
+
+} // namespace chiaro

@@ -1,0 +1,203 @@
+// SceneDesc -> Scene: places geometry (once-used meshes in world space, others as instances), recentres in double, builds hierarchy and
+// lights.
+#include "core/render/error.h"
+#include "core/scene/accel.h"
+#include "core/scene/lights_builder.h"
+#include "core/scene/scene_hash.h"
+#include <fmt/format.h>
+#include <optional>
+
+namespace chiaro {
+
+namespace {
+
+struct Bounds {
+    Vec3d low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
+    void add(const Vec3d& p) noexcept {
+        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+    bool empty() const noexcept { return low.x > high.x; }
+    Vec3d corner(int i) const noexcept { return {i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z}; }
+};
+
+Affine moved(Affine m, const Vec3d& centre) noexcept {
+    m.m[0][3] -= centre.x;
+    m.m[1][3] -= centre.y;
+    m.m[2][3] -= centre.z;
+    return m;
+}
+
+AffineT<float> narrowed(const Affine& m) noexcept {
+    AffineT<float> r;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 4; ++j) r.m[i][j] = float(m.m[i][j]);
+    return r;
+}
+
+} // namespace
+
+class SceneCompiler {
+public:
+    SceneCompiler(SceneDesc desc, Diagnostics& notes) : desc_(std::move(desc)), notes_(notes), scene_(new Scene) {}
+    std::unique_ptr<const Scene> run(const std::string& isa);
+
+private:
+    void materials();
+    void centre();
+    void place();
+    Geometry geometry(PrimitiveDesc&, const Affine* toWorld);
+    void lights();
+
+    SceneDesc desc_;
+    Diagnostics& notes_;
+    std::unique_ptr<Scene> scene_;
+    std::size_t top_ = 0; // geometries in world space
+};
+
+void SceneCompiler::materials() {
+    scene_->materials_ = std::move(desc_.materials);
+    scene_->materials_.push_back(MaterialDesc{}); // glTF's default, for primitives without one
+    scene_->materials_.back().name = "default";
+    scene_->textures_ = Textures(std::move(desc_.images), std::move(desc_.textures));
+}
+
+void SceneCompiler::centre() {
+    std::vector<Bounds> local(desc_.meshes.size());
+    for (std::size_t i = 0; i < local.size(); ++i)
+        for (const PrimitiveDesc& p : desc_.meshes[i].primitives)
+            for (const Vec3& v : p.positions) local[i].add(cast<double>(v));
+    Bounds world;
+    for (const InstanceDesc& in : desc_.instances)
+        if (const Bounds& b = local[in.mesh]; !b.empty())
+            for (int k = 0; k < 8; ++k) world.add(in.toWorld.point(b.corner(k)));
+    if (world.empty()) {
+        notes_.warn(fmt::format("{}: no triangles to draw; only the background will be seen", desc_.name));
+        return;
+    }
+    scene_->centre_ = (world.low + world.high) * 0.5;
+    const double radius = length(world.high - world.low) / 2;
+    if (!(radius < 1e15))
+        throw Error(Exit::unsupported,
+                    fmt::format("{}: the scene is {:.3g} m wide, more than 1e15 m; scale it down", desc_.name, 2 * radius));
+    scene_->radius_ = radius > 0 ? float(radius) : 1.f;
+}
+
+// Indices, winding and attributes of one primitive; with a map, in world space.
+Geometry SceneCompiler::geometry(PrimitiveDesc& p, const Affine* toWorld) {
+    Geometry g;
+    g.positions = std::move(p.positions);
+    g.normals = std::move(p.normals);
+    g.tangents = std::move(p.tangents);
+    g.indices = std::move(p.indices);
+    g.colors = std::move(p.colors);
+    for (int k = 0; k < 2; ++k) g.uv[k] = std::move(p.uv[k]);
+    g.material = p.material < 0 ? uint32_t(scene_->materials_.size() - 1) : uint32_t(p.material);
+    const MaterialDesc& m = scene_->materials_[g.material];
+    g.cutOut = m.alphaMode != AlphaMode::opaque;
+    if (toWorld) {
+        const bool flip = toWorld->determinant() < 0;
+        for (Vec3& v : g.positions) v = cast<float>(toWorld->point(cast<double>(v)));
+        for (Vec3& n : g.normals) {
+            const Vec3d w = toWorld->normal(cast<double>(n)) * (flip ? -1.0 : 1.0);
+            const double l = length(w);
+            n = l > 0 ? cast<float>(w * (1 / l)) : Vec3{};
+        }
+        for (Vec4& t : g.tangents) {
+            const Vec3 w = cast<float>(toWorld->vector(Vec3d{t.x, t.y, t.z}));
+            t = {w.x, w.y, w.z, flip ? -t.w : t.w};
+        }
+        // Under a mirroring map the front is the clockwise side (glTF 2.0, 3.7.4): store it counter-clockwise again.
+        if (flip)
+            for (std::size_t i = 0; i + 2 < g.indices.size(); i += 3) std::swap(g.indices[i + 1], g.indices[i + 2]);
+    }
+    g.positions.push_back({}); // room for Embree's 16-byte loads
+    return g;
+}
+
+void SceneCompiler::place() {
+    std::vector<uint32_t> uses(desc_.meshes.size(), 0);
+    for (const InstanceDesc& in : desc_.instances) ++uses[in.mesh];
+    for (const InstanceDesc& in : desc_.instances) {
+        if (uses[in.mesh] != 1) continue;
+        const Affine m = moved(in.toWorld, scene_->centre_);
+        for (PrimitiveDesc& p : desc_.meshes[in.mesh].primitives) scene_->geometries_.push_back(geometry(p, &m));
+    }
+    top_ = scene_->geometries_.size();
+    std::vector<uint32_t> first(desc_.meshes.size(), 0);
+    for (std::size_t i = 0; i < desc_.meshes.size(); ++i) {
+        if (uses[i] < 2) continue;
+        first[i] = uint32_t(scene_->geometries_.size());
+        for (PrimitiveDesc& p : desc_.meshes[i].primitives) scene_->geometries_.push_back(geometry(p, nullptr));
+    }
+    for (const InstanceDesc& in : desc_.instances) {
+        if (uses[in.mesh] < 2) continue;
+        const Affine m = moved(in.toWorld, scene_->centre_);
+        Instance instance;
+        instance.toWorld = narrowed(m);
+        instance.firstGeometry = first[in.mesh];
+        instance.geometryCount = uint32_t(desc_.meshes[in.mesh].primitives.size());
+        instance.firstLights.assign(instance.geometryCount, Lights::none);
+        instance.flipped = m.determinant() < 0;
+        scene_->instances_.push_back(std::move(instance));
+    }
+    SceneCounts& n = scene_->counts_;
+    n.instances = desc_.instances.size();
+    for (const Geometry& g : scene_->geometries_) n.triangles += g.triangles();
+    for (std::size_t i = 0; i < top_; ++i) n.trianglesDrawn += scene_->geometries_[i].triangles();
+    for (const Instance& in : scene_->instances_)
+        for (uint32_t k = 0; k < in.geometryCount; ++k) n.trianglesDrawn += scene_->geometries_[in.firstGeometry + k].triangles();
+}
+
+void SceneCompiler::lights() {
+    LightsBuilder builder(*scene_, scene_->lights_);
+    const auto shines = [&](const Geometry& g) {
+        const MaterialDesc& m = scene_->materials_[g.material];
+        return m.unlit ? !black(m.baseColor) : !black(m.emission);
+    };
+    SceneCounts& n = scene_->counts_;
+    for (uint32_t i = 0; i < top_; ++i) {
+        Geometry& g = scene_->geometries_[i];
+        if (!shines(g)) continue;
+        g.firstLight = builder.addMesh(g, i, nullptr, Hit::none);
+        n.emissiveTriangles += g.triangles();
+        ++n.emissiveMeshes;
+    }
+    for (uint32_t i = 0; i < scene_->instances_.size(); ++i) {
+        Instance& in = scene_->instances_[i];
+        for (uint32_t k = 0; k < in.geometryCount; ++k) {
+            const Geometry& g = scene_->geometries_[in.firstGeometry + k];
+            if (!shines(g)) continue;
+            in.firstLights[k] = builder.addMesh(g, in.firstGeometry + k, &in, i);
+            n.emissiveTriangles += g.triangles();
+            ++n.emissiveMeshes;
+        }
+    }
+    for (const PunctualDesc& l : desc_.lights) builder.addPunctual(l, scene_->centre_, scene_->radius_);
+    n.punctualLights = desc_.lights.size();
+    if (desc_.environment) builder.setEnvironment(*desc_.environment, scene_->radius_);
+    builder.finish();
+}
+
+std::unique_ptr<const Scene> SceneCompiler::run(const std::string& isa) {
+    scene_->name_ = desc_.name;
+    materials();
+    centre();
+    place();
+    lights();
+    scene_->counts_.textureBytes = scene_->textures_.bytes();
+    scene_->cameras_ = std::move(desc_.cameras);
+    for (CameraDesc& c : scene_->cameras_) c.toWorld = moved(c.toWorld, scene_->centre_);
+    scene_->hash_ = sceneHash(*scene_, scene_->geometries_, scene_->instances_, desc_);
+    const Scene* self = scene_.get();
+    scene_->accel_ = std::make_unique<Accel>(
+        scene_->geometries_, top_, scene_->instances_, [self](const Hit& h) { return self->opacity(self->attributes(h)); }, isa);
+    scene_->isa_ = scene_->accel_->isa();
+    return std::move(scene_);
+}
+
+std::unique_ptr<const Scene> Scene::compile(SceneDesc desc, Diagnostics& notes, const std::string& isa) {
+    return SceneCompiler(std::move(desc), notes).run(isa);
+}
+
+} // namespace chiaro

@@ -1,0 +1,123 @@
+// SceneDesc: a scene as it was written down, before anything is built from it. Readers fill it, tests write it by hand, Scene::compile
+// consumes it. Plain vectors and indexes; every default is that of glTF 2.0. Units: metres, radians, seconds; light in photometric units
+// (point and spot candela, directional lux, emission cd/m2). World axes are glTF's: right-handed, +Y up, cameras and lights look along -Z.
+#pragma once
+#include "core/math/vec.h"
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace chiaro {
+
+enum class PixelType : uint8_t { u8, u16, f32 };
+// Pixels, row 0 at the top, channels interleaved (1 grey, 2 grey+alpha, 3 RGB, 4 RGBA), in the depth of the source.
+struct ImageDesc {
+    std::string name;
+    int width = 0, height = 0, channels = 0;
+    PixelType type = PixelType::u8;
+    std::vector<std::byte> pixels;
+};
+
+enum class Wrap : uint8_t { repeat, mirror, clamp };
+enum class TextureFilter : uint8_t { linear, nearest };
+enum class Transfer : uint8_t { linear, srgb };
+struct TextureDesc {
+    int image = -1;
+    Wrap wrapS = Wrap::repeat, wrapT = Wrap::repeat;
+    TextureFilter filter = TextureFilter::linear;
+};
+// Where a material reads a texture: which one, by which UV set, under which affine map of (u, v, 1) (KHR_texture_transform).
+struct TextureSlot {
+    int texture = -1; // -1: none
+    int uvSet = 0;
+    float transform[2][3] = {{1, 0, 0}, {0, 1, 0}};
+};
+
+enum class AlphaMode : uint8_t { opaque, mask, blend };
+struct MaterialDesc {
+    std::string name;
+    Spectrum baseColor{1};
+    float alpha = 1;
+    TextureSlot baseColorTexture; // sRGB, alpha linear
+    float metallic = 1, roughness = 1;
+    TextureSlot metallicRoughnessTexture; // linear: G roughness, B metallic
+    TextureSlot normalTexture;            // linear
+    float normalScale = 1;
+    Spectrum emission{0};        // emissiveFactor x emissiveStrength, cd/m2
+    TextureSlot emissionTexture; // sRGB
+    AlphaMode alphaMode = AlphaMode::opaque;
+    float alphaCutoff = 0.5f;
+    bool doubleSided = false;
+    bool unlit = false;          // KHR_materials_unlit: shows its base colour as radiance from both sides and scatters nothing
+    float ior = 1.5f;            // KHR_materials_ior; 0 is the extension's "infinite": Fresnel reflectance 1
+    float specular = 1;          // KHR_materials_specular; 0 leaves an ideal diffuse base
+    TextureSlot specularTexture; // linear, A
+    Spectrum specularColor{1};
+    TextureSlot specularColorTexture; // sRGB
+    float transmission = 0;           // KHR_materials_transmission
+    TextureSlot transmissionTexture;  // linear, R
+    bool volume = false;              // KHR_materials_volume with thickness above 0: solid; otherwise transmission is a thin pane
+    float attenuationDistance = std::numeric_limits<float>::infinity();
+    Spectrum attenuationColor{1};
+};
+
+// One triangle list with one material. Attributes are empty or as long as positions.
+struct PrimitiveDesc {
+    std::vector<Vec3> positions, normals;
+    std::vector<Vec4> tangents; // w: sign of the bitangent, cross(n, t) * w
+    std::vector<Point2> uv[2];
+    std::vector<Vec4> colors;      // linear, multiplies the base colour and alpha
+    std::vector<uint32_t> indices; // three a triangle, counter-clockwise seen from the front
+    int material = -1;             // -1: glTF's default material
+};
+struct MeshDesc {
+    std::string name;
+    std::vector<PrimitiveDesc> primitives;
+};
+struct InstanceDesc {
+    int mesh = -1;
+    Affine toWorld;
+    std::string name;
+};
+
+enum class Projection : uint8_t { perspective, orthographic };
+struct CameraDesc {
+    std::string name;
+    Projection projection = Projection::perspective;
+    double yfov = 0.8;         // full vertical angle
+    double aspect = 0;         // width / height; 0: that of the picture
+    double xmag = 1, ymag = 1; // half extents of an orthographic view
+    Affine toWorld;
+};
+
+enum class PunctualKind : uint8_t { point, spot, directional };
+struct PunctualDesc {
+    std::string name;
+    PunctualKind kind = PunctualKind::point;
+    Spectrum intensity{1}; // colour x intensity: candela, or lux when directional
+    double range = 0;      // KHR_lights_punctual cut-off in metres; 0: none
+    double innerCone = 0, outerCone = 0.7853981633974483;
+    Affine toWorld; // scale does not change the light
+};
+
+struct EnvironmentDesc {
+    ImageDesc image;  // f32, 3 channels, latitude-longitude radiance; one texel is a uniform sky
+    float rotate = 0; // about +Y, radians, counter-clockwise seen from above
+    float scale = 1;
+};
+
+struct SceneDesc {
+    std::string name;
+    std::vector<ImageDesc> images;
+    std::vector<TextureDesc> textures;
+    std::vector<MaterialDesc> materials;
+    std::vector<MeshDesc> meshes;
+    std::vector<InstanceDesc> instances;
+    std::vector<CameraDesc> cameras;
+    std::vector<PunctualDesc> lights;
+    std::optional<EnvironmentDesc> environment;
+};
+
+} // namespace chiaro

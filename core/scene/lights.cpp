@@ -1,0 +1,158 @@
+#include "core/scene/lights.h"
+#include "core/scene/scene.h"
+
+namespace chiaro {
+namespace {
+
+// dA to dw: pdfW = pdfA d^2 / cos (Veach 1997, equation 8.10).
+float areaToSolidAngle(float pdfA, float distanceSquared, float cosine) noexcept { return pdfA * distanceSquared / cosine; }
+
+} // namespace
+
+uint32_t Lights::count() const noexcept { return uint32_t(triangles_.size() + punctual_.size()) + (environment_ ? 1 : 0); }
+
+float Lights::pmf(uint32_t light) const noexcept {
+    if (light >= triangles_.size() + punctual_.size()) return pickEnvironment_;
+    return finite_.empty() ? 0 : (1 - pickEnvironment_) * finite_.pmf(light);
+}
+
+std::optional<LightSample> Lights::sampleTowards(const SurfacePoint& from, double uPick, Point2 u) const noexcept {
+    const double edge = double(pickEnvironment_);
+    std::optional<LightSample> s;
+    float pmf = 0;
+    if (uPick < edge) {
+        pmf = pickEnvironment_;
+        s = sampleEnvironment(from, uPick / edge, u);
+    } else {
+        if (finite_.empty()) return {};
+        const Choice c = finite_.choose((uPick - edge) / (1 - edge), u.x);
+        pmf = (1 - pickEnvironment_) * c.pmf;
+        s = sampleOne(c.index, from, 0, {c.u, u.y});
+    }
+    if (s) s->pdfW *= pmf;
+    return s;
+}
+
+std::optional<LightSample> Lights::sampleOne(uint32_t light, const SurfacePoint& from, double uPick, Point2 u) const noexcept {
+    std::optional<LightSample> s;
+    if (light < triangles_.size())
+        s = sampleTriangle(triangles_[light], from, u);
+    else if (light - triangles_.size() < punctual_.size())
+        s = samplePunctual(punctual_[light - triangles_.size()], from);
+    else
+        s = sampleEnvironment(from, uPick, u);
+    if (s) s->light = light;
+    return s;
+}
+
+std::optional<LightSample> Lights::sampleTriangle(const Triangle& t, const SurfacePoint& from, Point2 u) const noexcept {
+    // Uniform by area (Heitz, A Low-Distortion Map Between Triangle and Square, 2019).
+    float b1 = u.x, b2 = u.y;
+    if (b2 > b1) {
+        b1 *= 0.5f;
+        b2 -= b1;
+    } else {
+        b2 *= 0.5f;
+        b1 -= b2;
+    }
+    SurfacePoint at;
+    at.p = t.p + t.e1 * b1 + t.e2 * b2;
+    at.ng = t.ng;
+    at.error = t.error;
+    const Vec3 way = at.p - from.p;
+    const float distanceSquared = lengthSquared(way);
+    if (!(distanceSquared > 0)) return {};
+    LightSample s;
+    s.wi = way * (1 / std::sqrt(distanceSquared));
+    const float cosine = -dot(s.wi, t.ng);
+    if (cosine == 0 || (cosine < 0 && !t.doubleSided)) return {};
+    SurfacePoint look = scene_->attributes({t.geometry, t.triangle, t.instance, b1, b2, 0});
+    s.radiance = emission(look) * scene_->opacity(look);
+    if (black(s.radiance)) return {};
+    s.pdfW = areaToSolidAngle(1 / t.area, distanceSquared, std::fabs(cosine));
+    s.shadow = from.to(at);
+    return s;
+}
+
+std::optional<LightSample> Lights::samplePunctual(const Punctual& l, const SurfacePoint& from) const noexcept {
+    LightSample s;
+    s.delta = true;
+    s.kind = LightKind::delta;
+    s.pdfW = 1;
+    if (l.kind == PunctualKind::directional) {
+        s.wi = -l.axis;
+        s.radiance = l.intensity;
+        s.shadow = from.towards(s.wi);
+        return s;
+    }
+    const Vec3 way = l.p - from.p;
+    const float distanceSquared = lengthSquared(way);
+    if (!(distanceSquared > 0)) return {};
+    s.wi = way * (1 / std::sqrt(distanceSquared));
+    float attenuation = 1 / distanceSquared;
+    if (l.range > 0) attenuation *= clamp01(1 - sqr(distanceSquared / sqr(l.range))); // KHR_lights_punctual: 1 - (d / range)^4
+    if (l.kind == PunctualKind::spot) attenuation *= sqr(clamp01(-dot(s.wi, l.axis) * l.scale + l.offset));
+    s.radiance = l.intensity * attenuation;
+    if (black(s.radiance)) return {};
+    const Vec3 origin = from.offset(s.wi), d = l.p - origin;
+    const float distance = length(d);
+    s.shadow = {origin, 0, d * (1 / distance), distance, from.time};
+    return s;
+}
+
+const Vec4& Lights::environmentTexel(const Vec3& world) const noexcept {
+    const Environment& e = *environment_;
+    const Vec3 d{world.x * e.cosRotate - world.z * e.sinRotate, world.y, world.x * e.sinRotate + world.z * e.cosRotate};
+    const float u = 0.5f + std::atan2(d.z, d.x) / (2 * pi), v = std::acos(std::clamp(d.y, -1.f, 1.f)) / pi;
+    const int x = std::clamp(int(u * float(e.width)), 0, e.width - 1), y = std::clamp(int(v * float(e.height)), 0, e.height - 1);
+    return e.texels[std::size_t(y) * e.width + x];
+}
+
+std::optional<LightSample> Lights::sampleEnvironment(const SurfacePoint& from, double uCell, Point2 u) const noexcept {
+    const Environment& e = *environment_;
+    if (e.table.empty()) return {};
+    const Choice c = e.table.choose(uCell, u.x);
+    const uint32_t row = c.index / uint32_t(e.width), column = c.index % uint32_t(e.width);
+    // Uniform in solid angle inside the texel: no sine in the density, nothing special at the poles.
+    const float y = e.rowCosine[row] + (e.rowCosine[row + 1] - e.rowCosine[row]) * u.y;
+    const float phi = ((float(column) + c.u) / float(e.width) - 0.5f) * 2 * pi, radius = safeSqrt((1 - y) * (1 + y));
+    const Vec3 d{radius * std::cos(phi), y, radius * std::sin(phi)};
+    const Vec4& texel = e.texels[c.index];
+    LightSample s;
+    s.kind = LightKind::environment;
+    s.wi = {d.x * e.cosRotate + d.z * e.sinRotate, d.y, -d.x * e.sinRotate + d.z * e.cosRotate};
+    s.radiance = {texel.x, texel.y, texel.z};
+    s.pdfW = texel.w;
+    s.shadow = from.towards(s.wi);
+    s.light = count() - 1;
+    return s;
+}
+
+Spectrum Lights::emission(const SurfacePoint& at) const noexcept {
+    const MaterialDesc& m = scene_->material(at.material);
+    if (!m.unlit) {
+        const Vec4 t = scene_->sample(m.emissionTexture, at, Transfer::srgb);
+        return m.emission * Spectrum(t.x, t.y, t.z);
+    }
+    const Vec4 t = scene_->sample(m.baseColorTexture, at, Transfer::srgb);
+    return m.baseColor * Spectrum(t.x * at.color.x, t.y * at.color.y, t.z * at.color.z);
+}
+
+LightHit Lights::hit(const SurfacePoint& at, const Vec3& wo, const SurfacePoint* from) const noexcept {
+    if (at.light == none) return {};
+    const Triangle& t = triangles_[at.light];
+    const float cosine = dot(wo, t.ng);
+    if (cosine == 0 || (cosine < 0 && !t.doubleSided)) return {};
+    LightHit h;
+    h.radiance = emission(at);
+    if (from && t.area > 0) h.pdfW = pmf(at.light) * areaToSolidAngle(1 / t.area, lengthSquared(at.p - from->p), std::fabs(cosine));
+    return h;
+}
+
+LightHit Lights::miss(const Ray& ray, const SurfacePoint* from) const noexcept {
+    if (!environment_) return {};
+    const Vec4& texel = environmentTexel(ray.d);
+    return {{texel.x, texel.y, texel.z}, from ? pickEnvironment_ * texel.w : 0, LightKind::environment};
+}
+
+} // namespace chiaro

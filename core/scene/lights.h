@@ -1,0 +1,101 @@
+// Lights: every emitter of the scene behind one set of questions. Whoever samples a light learns with which density the other strategies
+// would have found the same path, so that weights can be formed (Veach and Guibas 1995). One alias table chooses in proportion to power.
+// Units: point and spot intensity cd, directional lux, emissive surfaces and environment cd/m2.
+#pragma once
+#include "core/math/distribution.h"
+#include "core/math/ray.h"
+#include "core/render/events.h"
+#include "core/scene/desc.h"
+#include <optional>
+#include <span>
+#include <string>
+
+namespace chiaro {
+
+class Scene;
+struct SurfacePoint;
+
+struct LightSample {
+    Spectrum radiance; // unshadowed, as it arrives: multiply by f |cos| / pdfW. For a delta light: irradiance at normal incidence
+    Vec3 wi;           // towards the light
+    Ray shadow;        // trace it with Scene::occluded
+    float pdfW = 0;    // with the choice of the light in it; for a delta light the pmf of that choice
+    bool delta = false;
+    LightKind kind = LightKind::area;
+    uint32_t light = ~0u;
+};
+// Radiance found by hitting (or missing into) a light, and the density with which sampleTowards(from) would have found that direction.
+struct LightHit {
+    Spectrum radiance;
+    float pdfW = 0;
+    LightKind kind = LightKind::area;
+    explicit operator bool() const noexcept { return !black(radiance); }
+};
+
+struct LightInfo {
+    std::string name; // of the light or of its material
+    const char* kind; // "point", "spot", "directional", "mesh", "environment"
+    double power = 0; // lumen
+    uint64_t triangles = 0;
+};
+
+class Lights {
+public:
+    static constexpr uint32_t none = ~0u;
+
+    // One light of all, in proportion to power. uPick: a number with 32 random bits (Sampler::getPick).
+    std::optional<LightSample> sampleTowards(const SurfacePoint& from, double uPick, Point2 u) const noexcept;
+    // This light; pdfW without the choice.
+    std::optional<LightSample> sampleOne(uint32_t light, const SurfacePoint& from, double uPick, Point2 u) const noexcept;
+    uint32_t count() const noexcept;
+    float pmf(uint32_t light) const noexcept; // of choosing it
+    // Emission of a surface towards wo. from: where the ray came from, null for a camera.
+    LightHit hit(const SurfacePoint& emitter, const Vec3& wo, const SurfacePoint* from) const noexcept;
+    LightHit miss(const Ray&, const SurfacePoint* from) const noexcept;
+
+    std::vector<LightInfo> describe() const;
+    double power() const noexcept { return power_; } // lumen
+
+private:
+    friend class LightsBuilder;
+    friend class SceneCompiler;
+    struct Triangle {
+        Vec3 p, e1, e2;
+        float area = 0;
+        Vec3 ng; // of the front
+        float error = 0, power = 0;
+        uint32_t geometry = 0, triangle = 0, instance = Hit::none, material = 0;
+        bool doubleSided = false;
+    };
+    struct Punctual {
+        PunctualKind kind = PunctualKind::point;
+        Spectrum intensity;
+        Vec3 p, axis;                           // axis: the way the light goes
+        float range = 0, scale = 0, offset = 0; // KHR_lights_punctual: clamp(cos * scale + offset)^2
+        double power = 0;
+        std::string name;
+    };
+    struct Environment {
+        int width = 0, height = 0;
+        std::vector<Vec4> texels;     // radiance, and the density per steradian of choosing the direction: one 16-byte look-up serves both
+        std::vector<float> rowCosine; // cos(theta) at the upper edge of each row, and -1
+        AliasTable table;
+        float cosRotate = 1, sinRotate = 0;
+        double power = 0;
+    };
+    std::optional<LightSample> sampleTriangle(const Triangle&, const SurfacePoint&, Point2 u) const noexcept;
+    std::optional<LightSample> samplePunctual(const Punctual&, const SurfacePoint&) const noexcept;
+    std::optional<LightSample> sampleEnvironment(const SurfacePoint&, double uCell, Point2 u) const noexcept;
+    const Vec4& environmentTexel(const Vec3& direction) const noexcept;
+    Spectrum emission(const SurfacePoint&) const noexcept;
+
+    const Scene* scene_ = nullptr;
+    std::vector<Triangle> triangles_; // lights 0 .. n-1; then the punctual ones; then the environment
+    std::vector<Punctual> punctual_;
+    std::optional<Environment> environment_;
+    AliasTable finite_;         // over the triangles and the punctual lights
+    float pickEnvironment_ = 0; // probability of the environment; the rest goes to the finite lights
+    double power_ = 0;
+};
+
+} // namespace chiaro

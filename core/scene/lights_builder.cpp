@@ -1,0 +1,135 @@
+#include "core/scene/lights_builder.h"
+#include <cstring>
+#include <map>
+
+namespace chiaro {
+
+// Mean luminance of a triangle's emission: one value without a texture, else a grid about as fine as the texels it covers. A triangle whose
+// texels are all black gets no power; the rays that hit it still see what the filter shows there.
+double LightsBuilder::meanEmission(const Lights::Triangle& t) const {
+    const MaterialDesc& m = scene_.material(t.material);
+    const TextureSlot& slot = m.unlit ? m.baseColorTexture : m.emissionTexture;
+    int n = 1;
+    if (slot.texture >= 0) {
+        Point2 corner[3];
+        for (int k = 0; k < 3; ++k)
+            corner[k] =
+                apply(slot.transform,
+                      scene_.attributes({t.geometry, t.triangle, t.instance, k == 1 ? 1.f : 0.f, k == 2 ? 1.f : 0.f, 0}).uv[slot.uvSet]);
+        const double width = scene_.textures().width(slot.texture), height = scene_.textures().height(slot.texture);
+        double longest = 0;
+        for (int k = 0; k < 3; ++k) {
+            const Point2 a = corner[k], b = corner[(k + 1) % 3];
+            longest = std::max(longest, std::hypot((b.x - a.x) * width, (b.y - a.y) * height));
+        }
+        n = int(std::clamp(std::isfinite(longest) ? longest * 1.5 : 64.0, 3.0, 64.0));
+    }
+    double sum = 0;
+    int count = 0;
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n - i; ++j, ++count) {
+            const float u = (float(i) + 1 / 3.f) / float(n), v = (float(j) + 1 / 3.f) / float(n);
+            sum += luminance(lights_.emission(scene_.attributes({t.geometry, t.triangle, t.instance, u, v, 0})));
+        }
+    return sum / count;
+}
+
+uint32_t LightsBuilder::addMesh(const Geometry& g, uint32_t geometry, const Instance* instance, uint32_t instanceIndex) {
+    const MaterialDesc& m = scene_.material(g.material);
+    const auto first = uint32_t(lights_.triangles_.size());
+    for (uint32_t i = 0; i < g.triangles(); ++i) {
+        const auto corner = g.triangle(i);
+        Vec3 p[3] = {g.positions[corner[0]], g.positions[corner[1]], g.positions[corner[2]]};
+        if (instance)
+            for (Vec3& q : p) q = instance->toWorld.point(q);
+        Lights::Triangle t;
+        t.p = p[0];
+        t.e1 = p[1] - p[0];
+        t.e2 = p[2] - p[0];
+        const Vec3 n = cross(t.e1, t.e2);
+        const float twice = length(n);
+        t.area = twice / 2;
+        t.ng = twice > 0 ? n * ((instance && instance->flipped ? -1.f : 1.f) / twice) : Vec3{0, 0, 1};
+        t.error = 8 * 0x1p-23f * max(maxAbs(p[0]), max(maxAbs(p[1]), maxAbs(p[2])));
+        t.geometry = geometry;
+        t.triangle = i;
+        t.instance = instanceIndex;
+        t.material = g.material;
+        t.doubleSided = m.doubleSided || m.unlit;
+        t.power = float(meanEmission(t) * double(t.area) * double(pi) * (t.doubleSided ? 2 : 1));
+        lights_.triangles_.push_back(t);
+    }
+    return first;
+}
+
+void LightsBuilder::addPunctual(const PunctualDesc& d, const Vec3d& centre, float sceneRadius) {
+    Lights::Punctual l;
+    l.kind = d.kind;
+    l.intensity = d.intensity;
+    l.name = d.name;
+    l.p = cast<float>(d.toWorld.point(Vec3d{0, 0, 0}) - centre);
+    l.axis = cast<float>(normalize(d.toWorld.vector(Vec3d{0, 0, -1})));
+    l.range = float(d.range);
+    const double y = double(luminance(d.intensity)), inner = std::cos(d.innerCone), outer = std::cos(d.outerCone);
+    if (d.kind == PunctualKind::point) l.power = 4 * double(pi) * y;
+    if (d.kind == PunctualKind::directional) l.power = double(pi) * sceneRadius * sceneRadius * y;
+    if (d.kind == PunctualKind::spot) {
+        // KHR_lights_punctual: clamp(cos * scale + offset)^2; the flux of the squared ramp is a third of its solid angle.
+        l.scale = float(1 / std::max(0.001, inner - outer));
+        l.offset = float(-outer * double(l.scale));
+        l.power = 2 * double(pi) * (1 - inner + (inner - outer) / 3) * y;
+    }
+    lights_.punctual_.push_back(l);
+}
+
+void LightsBuilder::setEnvironment(const EnvironmentDesc& d, float sceneRadius) {
+    Lights::Environment e;
+    e.width = d.image.width;
+    e.height = d.image.height;
+    e.cosRotate = std::cos(d.rotate);
+    e.sinRotate = std::sin(d.rotate);
+    for (int row = 0; row <= e.height; ++row) e.rowCosine.push_back(float(std::cos(double(pi) * row / e.height)));
+    e.rowCosine.back() = -1;
+    const std::size_t count = std::size_t(e.width) * e.height;
+    std::vector<float> rgb(count * 3);
+    std::memcpy(rgb.data(), d.image.pixels.data(), rgb.size() * sizeof(float));
+    std::vector<double> weights(count), solidAngle(e.height);
+    for (int y = 0; y < e.height; ++y)
+        solidAngle[y] =
+            (std::cos(std::numbers::pi * y / e.height) - std::cos(std::numbers::pi * (y + 1) / e.height)) * 2 * std::numbers::pi / e.width;
+    for (std::size_t i = 0; i < count; ++i) {
+        e.texels.push_back({rgb[3 * i] * d.scale, rgb[3 * i + 1] * d.scale, rgb[3 * i + 2] * d.scale, 0});
+        weights[i] = std::max(0.0, double(luminance(Spectrum(e.texels[i].x, e.texels[i].y, e.texels[i].z)))) * solidAngle[i / e.width];
+    }
+    e.table = AliasTable(weights);
+    if (!e.table.empty())
+        for (std::size_t i = 0; i < count; ++i) e.texels[i].w = float(weights[i] / e.table.sum() / solidAngle[i / e.width]);
+    e.power = e.table.sum() * double(pi) * sceneRadius * sceneRadius;
+    lights_.environment_ = std::move(e);
+}
+
+void LightsBuilder::finish() {
+    std::vector<double> power;
+    for (const Lights::Triangle& t : lights_.triangles_) power.push_back(t.power);
+    for (const Lights::Punctual& p : lights_.punctual_) power.push_back(p.power);
+    lights_.finite_ = AliasTable(power);
+    const double sky = lights_.environment_ ? lights_.environment_->power : 0;
+    lights_.power_ = lights_.finite_.sum() + sky;
+    lights_.pickEnvironment_ = lights_.power_ > 0 ? float(sky / lights_.power_) : 0;
+}
+
+std::vector<LightInfo> Lights::describe() const {
+    std::vector<LightInfo> all;
+    std::map<uint32_t, LightInfo> meshes; // by material
+    for (const Triangle& t : triangles_) {
+        LightInfo& info = meshes[t.material];
+        info = {scene_->material(t.material).name, "mesh", info.power + t.power, info.triangles + 1};
+    }
+    for (const auto& [material, info] : meshes) all.push_back(info);
+    static constexpr const char* kinds[] = {"point", "spot", "directional"};
+    for (const Punctual& p : punctual_) all.push_back({p.name, kinds[int(p.kind)], p.power, 0});
+    if (environment_) all.push_back({"environment", "environment", environment_->power, 0});
+    return all;
+}
+
+} // namespace chiaro

@@ -1,0 +1,127 @@
+#include "core/scene/scene.h"
+#include "core/scene/accel.h"
+
+namespace chiaro {
+namespace {
+
+template <class T> T interpolate(const std::vector<T>& values, std::span<const uint32_t, 3> i, float u, float v) noexcept {
+    const T &a = values[i[0]], &b = values[i[1]], &c = values[i[2]];
+    const float w = 1 - u - v;
+    if constexpr (requires { a.w; })
+        return {a.x * w + b.x * u + c.x * v, a.y * w + b.y * u + c.y * v, a.z * w + b.z * u + c.z * v, a.w * w + b.w * u + c.w * v};
+    else if constexpr (requires { a.z; })
+        return a * w + b * u + c * v;
+    else
+        return {a.x * w + b.x * u + c.x * v, a.y * w + b.y * u + c.y * v};
+}
+
+Vec3 unitOr(const Vec3& v, const Vec3& otherwise) noexcept {
+    const float l = lengthSquared(v);
+    return l > 0 && std::isfinite(l) ? v * (1 / std::sqrt(l)) : otherwise;
+}
+
+// Of positions made from coordinates of this magnitude: the sums of barycentric interpolation and of Embree's edge tests, with room for the
+// affine map of an instance (Higham's gamma_n with n = 8; Pharr, Jakob, Humphreys 2016, section 3.9).
+constexpr float gamma8 = 8 * 0x1p-24f / (1 - 8 * 0x1p-24f);
+
+// Partial derivatives of the position by (u, v) from one triangle's corners.
+void derivatives(const Vec3& e1, const Vec3& e2, Point2 a, Point2 b, Point2 c, Vec3& dpdu, Vec3& dpdv) noexcept {
+    const float du1 = b.x - a.x, dv1 = b.y - a.y, du2 = c.x - a.x, dv2 = c.y - a.y, det = du1 * dv2 - dv1 * du2;
+    if (det == 0 || !std::isfinite(1 / det)) return;
+    dpdu = (e1 * dv2 - e2 * dv1) * (1 / det);
+    dpdv = (e2 * du1 - e1 * du2) * (1 / det);
+}
+
+} // namespace
+
+Vec3 SurfacePoint::offset(const Vec3& w) const noexcept {
+    const float reach = error * (std::fabs(ng.x) + std::fabs(ng.y) + std::fabs(ng.z));
+    return p + ng * (dot(w, ng) < 0 ? -reach : reach);
+}
+
+Ray SurfacePoint::towards(const Vec3& wi) const noexcept { return {offset(wi), 0, wi, infinity, time}; }
+
+Ray SurfacePoint::to(const SurfacePoint& other) const noexcept {
+    const Vec3 way = other.p - p, from = offset(way), d = other.offset(-way) - from;
+    const float distance = length(d);
+    return {from, 0, distance > 0 ? d * (1 / distance) : ng, distance * (1 - 0x1p-20f), time};
+}
+
+Scene::Scene() = default;
+Scene::~Scene() = default;
+
+Hit Scene::intersect(const Ray& r) const noexcept { return accel_->intersect(r); }
+void Scene::intersect(std::span<const Ray> r, std::span<Hit> h, bool coherent) const noexcept { accel_->intersect(r, h, coherent); }
+bool Scene::occluded(const Ray& r) const noexcept { return accel_->occluded(r); }
+void Scene::occluded(std::span<const Ray> r, std::span<uint8_t> a) const noexcept { accel_->occluded(r, a); }
+
+SurfacePoint Scene::attributes(const Hit& hit) const noexcept {
+    const Geometry& g = geometries_[hit.geometry];
+    const auto i = g.triangle(hit.triangle);
+    SurfacePoint s;
+    s.material = g.material;
+    for (int k = 0; k < 2; ++k)
+        if (!g.uv[k].empty()) s.uv[k] = interpolate(g.uv[k], i, hit.u, hit.v);
+    if (!g.colors.empty()) s.color = interpolate(g.colors, i, hit.u, hit.v);
+    const uint32_t first = hit.instance == Hit::none
+                               ? g.firstLight
+                               : instances_[hit.instance].firstLights[hit.geometry - instances_[hit.instance].firstGeometry];
+    if (first != Lights::none) s.light = first + hit.triangle;
+    return s;
+}
+
+SurfacePoint Scene::point(const Hit& hit, const Ray& ray) const noexcept {
+    const Geometry& g = geometries_[hit.geometry];
+    const auto i = g.triangle(hit.triangle);
+    SurfacePoint s = attributes(hit);
+    s.time = ray.time;
+    const Vec3 &a = g.positions[i[0]], &b = g.positions[i[1]], &c = g.positions[i[2]];
+    const Vec3 e1 = b - a, e2 = c - a;
+    s.p = a + e1 * hit.u + e2 * hit.v;
+    s.ng = cross(e1, e2);
+    const bool smooth = !g.normals.empty(), mapped = materials_[g.material].normalTexture.texture >= 0;
+    if (smooth) s.ns = interpolate(g.normals, i, hit.u, hit.v);
+    if (mapped && !g.tangents.empty()) {
+        const Vec4 t = interpolate(g.tangents, i, hit.u, hit.v);
+        s.tangent = {t.x, t.y, t.z};
+        s.tangentSign = t.w < 0 ? -1.f : 1.f;
+    } else if (const int set = materials_[g.material].normalTexture.uvSet; mapped && !g.uv[set].empty()) {
+        derivatives(e1, e2, g.uv[set][i[0]], g.uv[set][i[1]], g.uv[set][i[2]], s.dpdu, s.dpdv);
+    }
+    float reach = max(maxAbs(a), max(maxAbs(b), maxAbs(c)));
+    if (hit.instance != Hit::none) {
+        const Instance& in = instances_[hit.instance];
+        const float side = in.flipped ? -1.f : 1.f;
+        s.p = in.toWorld.point(s.p);
+        s.ng = in.toWorld.normal(s.ng) * side;
+        if (smooth) s.ns = in.toWorld.normal(s.ns) * side;
+        s.tangent = in.toWorld.vector(s.tangent);
+        s.tangentSign *= side;
+        s.dpdu = in.toWorld.vector(s.dpdu);
+        s.dpdv = in.toWorld.vector(s.dpdv);
+        float world = 0;
+        for (const auto& row : in.toWorld.m)
+            world = max(world, (std::fabs(row[0]) + std::fabs(row[1]) + std::fabs(row[2])) * reach + std::fabs(row[3]));
+        reach = world;
+    }
+    s.error = gamma8 * reach;
+    s.ng = unitOr(s.ng, Vec3{0, 0, 1});
+    s.ns = smooth ? unitOr(s.ns, s.ng) : s.ng;
+    if (dot(s.ns, s.ng) < 0) s.ns = -s.ns;
+    return s;
+}
+
+Vec4 Scene::sample(const TextureSlot& slot, const SurfacePoint& s, Transfer transfer) const noexcept {
+    if (slot.texture < 0) return {1, 1, 1, 1};
+    return textures_.lookup(slot.texture, apply(slot.transform, s.uv[slot.uvSet]), transfer);
+}
+
+float Scene::opacity(const SurfacePoint& s) const noexcept {
+    const MaterialDesc& m = materials_[s.material];
+    if (m.alphaMode == AlphaMode::opaque) return 1;
+    const float alpha = m.alpha * s.color.w * sample(m.baseColorTexture, s, Transfer::srgb).w;
+    if (m.alphaMode == AlphaMode::mask) return alpha >= m.alphaCutoff ? 1.f : 0.f;
+    return clamp01(alpha);
+}
+
+} // namespace chiaro

@@ -1,0 +1,97 @@
+// Scene: what every integrator asks its questions of. Compiled once from a SceneDesc, immutable ever after, shared by all threads.
+// Space: world axes of glTF, recentred: the middle of the bounds is the origin, so that a scene far from its own origin keeps its digits.
+// Queries carry a time. Directions are unit vectors, distances metres.
+#pragma once
+#include "core/math/ray.h"
+#include "core/scene/desc.h"
+#include "core/scene/lights.h"
+#include "core/scene/texture.h"
+#include <memory>
+#include <span>
+
+namespace chiaro {
+
+class Accel;
+class Diagnostics;
+struct Geometry;
+struct Instance;
+
+// The interpolated hit. ng is the geometric normal of the front side, whatever side was hit; ns the interpolated (not yet normal-mapped)
+// shading normal, on the side of ng.
+struct SurfacePoint {
+    Vec3 p, ng, ns;
+    Vec3 tangent;          // of the file, orthogonal to ns, or zero where there is none: then dpdu speaks
+    float tangentSign = 1; // bitangent = cross(ns, tangent) * sign
+    Vec3 dpdu, dpdv;       // by UV set 0 of the normal map's slot; zero without UVs
+    Point2 uv[2];
+    Vec4 color{1, 1, 1, 1}; // vertex colour, linear
+    uint32_t material = 0;
+    uint32_t light = Lights::none; // the emissive triangle this is
+    float error = 0;               // bound of the position's rounding error, metres, in every coordinate
+    float time = 0;
+
+    // A ray that leaves into the half space of wi, from beyond the error bound: it cannot meet its own surface again.
+    Ray towards(const Vec3& wi) const noexcept;
+    // The open segment to another point, both ends moved off their surfaces.
+    Ray to(const SurfacePoint& other) const noexcept;
+    // The origin moved along the side of ng that w points to.
+    Vec3 offset(const Vec3& w) const noexcept;
+};
+
+struct SceneCounts {
+    uint64_t triangles = 0, trianglesDrawn = 0, instances = 0, emissiveTriangles = 0, punctualLights = 0, emissiveMeshes = 0;
+    std::size_t textureBytes = 0;
+};
+
+class Scene {
+public:
+    // Throws Error (Exit::unsupported, Exit::resources). isa names Embree's instruction set ("sse2", "sse4.2", "avx", "avx2", "avx512"),
+    // empty: the best.
+    static std::unique_ptr<const Scene> compile(SceneDesc, Diagnostics&, const std::string& isa = {});
+    ~Scene();
+
+    Hit intersect(const Ray&) const noexcept;
+    // 16 at a time; coherent: the rays start together and go the same way (camera rays).
+    void intersect(std::span<const Ray>, std::span<Hit>, bool coherent) const noexcept;
+    bool occluded(const Ray&) const noexcept;
+    void occluded(std::span<const Ray>, std::span<uint8_t> answers) const noexcept;
+
+    SurfacePoint point(const Hit&, const Ray&) const noexcept;
+    // Only what a texture look-up needs: UVs, vertex colour, material, light; position and normals stay zero.
+    SurfacePoint attributes(const Hit&) const noexcept;
+
+    const MaterialDesc& material(uint32_t id) const noexcept { return materials_[id]; }
+    std::span<const MaterialDesc> materials() const noexcept { return materials_; }
+    const Textures& textures() const noexcept { return textures_; }
+    // RGBA of a slot at a point; white without a texture.
+    Vec4 sample(const TextureSlot&, const SurfacePoint&, Transfer) const noexcept;
+    // Fraction of light that a surface stops, [0, 1]: alpha under the material's alpha mode.
+    float opacity(const SurfacePoint&) const noexcept;
+    const Lights& lights() const noexcept { return lights_; }
+
+    std::span<const CameraDesc> cameras() const noexcept { return cameras_; } // recentred like everything else
+    const std::string& name() const noexcept { return name_; }
+    Vec3d centre() const noexcept { return centre_; } // world position of our origin
+    float radius() const noexcept { return radius_; } // of the sphere about the origin that holds all geometry
+    const SceneCounts& counts() const noexcept { return counts_; }
+    const std::string& isa() const noexcept { return isa_; }
+    uint64_t hash() const noexcept { return hash_; } // of the content, environment included (XXH3)
+
+private:
+    friend class SceneCompiler;
+    Scene();
+    std::string name_, isa_;
+    std::vector<MaterialDesc> materials_;
+    Textures textures_;
+    std::vector<CameraDesc> cameras_;
+    Lights lights_;
+    std::vector<Geometry> geometries_; // those of the top level first, in world space; then those of instanced meshes
+    std::vector<Instance> instances_;
+    std::unique_ptr<Accel> accel_;
+    Vec3d centre_;
+    float radius_ = 1;
+    SceneCounts counts_;
+    uint64_t hash_ = 0;
+};
+
+} // namespace chiaro

@@ -1,0 +1,9 @@
+// The entry of each integrator, defined beside its algorithm and listed in registry.cpp.
+#pragma once
+#include "integrators/registry.h"
+
+namespace chiaro {
+
+extern const IntegratorEntry pathEntry, normalsEntry, depthEntry, albedoEntry, uvEntry;
+
+} // namespace chiaro

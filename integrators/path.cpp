@@ -1,0 +1,98 @@
+// Unidirectional path tracing (Kajiya 1986) with next-event estimation, BSDF sampling, both weighted by the power heuristic (Veach and
+// Guibas 1995), and Russian roulette (Arvo and Kirk 1990).
+#include "integrators/entries.h"
+#include "integrators/transport.h"
+
+namespace chiaro {
+namespace {
+
+constexpr OptionSpec specs[] = {
+    {"rr-depth", OptionType::integer, "5", 0, 65535, "", "scatterings before Russian roulette may end a path"},
+    {"nee", OptionType::boolean, "on", 0, 0, "", "next-event estimation: sample a light at every vertex"},
+    {"mis", OptionType::boolean, "on", 0, 0, "",
+     "weigh light and BSDF samples together; off: light samples alone, for lights that can be sampled"},
+};
+
+class Path final : public CameraIntegrator {
+public:
+    explicit Path(const Options& o) : rouletteDepth_(uint32_t(o.integer("rr-depth"))), nee_(o.boolean("nee")), mis_(o.boolean("mis")) {}
+    void radiance(const Job&, PathStart&, Outputs&) const noexcept override;
+
+private:
+    // Share of an emitter found by a BSDF sample of density pdfW.
+    float hitWeight(bool delta, float pdfW, float lightPdfW) const noexcept {
+        if (delta || !nee_ || lightPdfW == 0) return 1;
+        return mis_ ? powerHeuristic(pdfW, lightPdfW) : 0.f;
+    }
+    uint32_t rouletteDepth_;
+    bool nee_, mis_;
+};
+
+void Path::radiance(const Job& job, PathStart& start, Outputs& out) const noexcept {
+    const Scene& scene = job.scene;
+    const PathClasses& classes = job.classes;
+    Sampler& sampler = start.sampler;
+    Ray ray = start.ray;
+    Hit hit = start.first;
+    Spectrum throughput(1);
+    PathState state = classes.eye();
+    SurfacePoint at, previous;
+    float pdfW = 0;
+    bool delta = true;
+    for (uint32_t depth = 0;; ++depth) {
+        const SurfacePoint* from = depth > 0 ? &previous : nullptr;
+        if (!hit) {
+            const LightHit sky = scene.lights().miss(ray, from);
+            if (sky) out.add(classes.reached(state, sky.kind), throughput * sky.radiance * hitWeight(delta, pdfW, sky.pdfW));
+            if (depth == 0) out.aov(Aov::albedo, {clamp01(sky.radiance[0]), clamp01(sky.radiance[1]), clamp01(sky.radiance[2])});
+            return;
+        }
+        at = scene.point(hit, ray);
+        throughput *= segmentTransmittance(scene, from, ray.d, &at, hit.t);
+        if (const LightHit light = scene.lights().hit(at, -ray.d, from))
+            out.add(classes.reached(state, light.kind), throughput * light.radiance * hitWeight(delta, pdfW, light.pdfW));
+        if (!classes.continues(state) && depth > 0) return;
+        const Bsdf bsdf = shade(scene, at, -ray.d, start.footprint, start.lambda);
+        if (depth == 0) {
+            out.aov(Aov::albedo, bsdf.albedo());
+            out.aov(Aov::normal, Spectrum(bsdf.normal().x, bsdf.normal().y, bsdf.normal().z));
+        }
+        if (!classes.continues(state)) return;
+        const double pick = sampler.getPick();
+        const Point2 uLight = sampler.get2D();
+        if (nee_ && bsdf.smooth())
+            addDirect(job, at, bsdf, state, throughput, scene.lights().sampleTowards(at, pick, uLight), mis_ ? Mis::on : Mis::off, out);
+        const float uLobe = sampler.get1D();
+        const auto sample = bsdf.sample(uLobe, sampler.get2D());
+        if (!sample) return;
+        const Turn next = turn(classes, state, bsdf, *sample, sampler.get1D());
+        const float uRoulette = sampler.get1D();
+        if (!next.state || black(next.weight)) return;
+        throughput *= next.weight;
+        if (depth >= rouletteDepth_) {
+            const float survive = min(maxComponent(throughput), 0.95f);
+            if (!(uRoulette < survive)) return;
+            throughput *= 1 / survive;
+        }
+        state = next.state;
+        pdfW = sample->pdfW;
+        delta = sample->delta;
+        previous = at;
+        ray = at.towards(sample->wi);
+        hit = scene.intersect(ray);
+    }
+}
+
+Traits traits(const Options&) {
+    Traits t;
+    t.covers = "L (D|G|S)* E";
+    t.misses = "Ld S+ (D|G|S)* E";
+    return t;
+}
+
+} // namespace
+
+extern const IntegratorEntry pathEntry = {"path", "path tracing with next-event estimation and multiple importance sampling", specs, traits,
+                                          [](const Options& o) -> std::unique_ptr<Integrator> { return std::make_unique<Path>(o); }};
+
+} // namespace chiaro

@@ -1,0 +1,30 @@
+// The registry: every integrator of the program in one explicit array. The command line, its help, the reports and the tests read it; a new
+// integrator is tested the moment it is listed.
+#pragma once
+#include "core/render/integrator.h"
+#include "core/render/options.h"
+
+namespace chiaro {
+
+struct Traits {
+    bool lightTransport = true; // makes a picture of light; false: a debug view
+    bool unbiased = true;
+    bool splats = false;
+    std::string covers = "L (D|G|S)* E"; // the light paths it sees, in the grammar of --paths
+    std::string misses;                  // those it cannot find by construction; empty: none
+};
+struct IntegratorEntry {
+    std::string_view name, summary;
+    std::span<const OptionSpec> options;
+    Traits (*traits)(const Options&);
+    std::unique_ptr<Integrator> (*make)(const Options&);
+};
+std::span<const IntegratorEntry> integrators();
+// "name" or "name:key=value,...". Throws Error(Exit::usage) with the list and the nearest name.
+struct IntegratorChoice {
+    const IntegratorEntry* entry = nullptr;
+    Options options;
+};
+IntegratorChoice chooseIntegrator(std::string_view text);
+
+} // namespace chiaro

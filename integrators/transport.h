@@ -1,0 +1,31 @@
+// Steps that every Monte Carlo integrator shares: which class an event takes, and direct light with multiple importance sampling.
+#pragma once
+#include "core/render/integrator.h"
+#include "materials/bsdf.h"
+
+namespace chiaro {
+
+// Veach and Guibas 1995, section 3: weights for combining two strategies.
+inline float powerHeuristic(float a, float b) noexcept {
+    if (!(a < infinity)) return 1;
+    const float squares = a * a + b * b;
+    return squares > 0 && squares < infinity ? a * a / squares : a > b ? 1.f : 0.f;
+}
+
+inline Terms terms(const PathClasses& classes, PathState state) noexcept { return classes.sorts(state) ? Terms::apart : Terms::together; }
+
+// Where a path stands after an event, and what the event multiplies its throughput by.
+struct Turn {
+    PathState state = 0; // 0: stop
+    Spectrum weight;
+};
+// The direction came from the mixture. Where classes still matter, the event's class is drawn from those alive in proportion to the
+// luminance of f_class, and the weight divided by that probability: classes sum to the picture, densities stay those of the mixture.
+Turn turn(const PathClasses&, PathState, const Bsdf&, const BsdfSample&, float uClass) noexcept;
+
+enum class Mis : bool { off, on };
+// Adds the light that arrives at `at` from one light sample, in the layers of its path classes.
+void addDirect(const Job&, const SurfacePoint& at, const Bsdf&, PathState, const Spectrum& throughput, const std::optional<LightSample>&,
+               Mis, Outputs&) noexcept;
+
+} // namespace chiaro

@@ -1,0 +1,84 @@
+// Bsdf: the closure of one hit, seen from wo. Every integrator asks the same four questions: what does it scatter towards wi (evaluate),
+// which wi is worth following (sample), with which density would you have found it (the pdfs), and which exact mirror and refraction
+// directions are there (deltaSplit). A few lobes on the stack, no heap, no virtual call.
+//
+// Conventions: wo and wi leave the surface, in world space. f is without the cosine, 1/sr, smooth lobes only: a delta lobe evaluates to
+// zero. pdfW is per steradian and belongs to the whole mixture of smooth lobes and delta lobes; pdfReverseW is the density of sampling wo
+// having come from wi. A sample's weight is f |cos| / pdf, for a delta lobe the lobe's reflectance divided by its pmf. With
+// Transport::radiance a transmitted f is that of the basic radiance's camera side (eta squared, Veach 1997 section 5.2); shading-normal
+// corrections (Veach 1997, section 5.3) live here too, so that no integrator can forget them.
+#pragma once
+#include "core/math/ray.h"
+#include "core/render/events.h"
+#include "core/scene/scene.h"
+#include "materials/lobes.h"
+#include <optional>
+
+namespace chiaro {
+
+enum class Terms : uint8_t { together, apart };
+
+struct BsdfTerm {
+    Spectrum f;
+    Event event = Event::DR;
+};
+// One term, or diffuse and glossy apart where the path classes tell them apart.
+struct BsdfValue {
+    BsdfTerm terms[2];
+    uint8_t n = 0;
+    float pdfW = 0, pdfReverseW = 0;
+    const BsdfTerm* begin() const noexcept { return terms; }
+    const BsdfTerm* end() const noexcept { return terms + n; }
+    Spectrum f() const noexcept { return n == 0 ? Spectrum(0) : n == 1 ? terms[0].f : terms[0].f + terms[1].f; }
+};
+struct BsdfSample {
+    Vec3 wi;
+    Spectrum weight;
+    float pdfW = 0, pdfReverseW = 0; // of a delta lobe: the pmf of choosing it
+    bool delta = false;
+    Event event = Event::DR;
+};
+struct DeltaBranch {
+    Vec3 wi;
+    Spectrum weight;
+    Event event = Event::SR;
+};
+struct DeltaBranches {
+    DeltaBranch b[2];
+    int n = 0;
+    const DeltaBranch* begin() const noexcept { return b; }
+    const DeltaBranch* end() const noexcept { return b + n; }
+};
+
+class Bsdf {
+public:
+    // ng: geometric normal of the front side; ns: shading normal on the same side (normal map applied).
+    Bsdf(const BsdfParameters&, const Vec3& ng, const Vec3& ns, const Vec3& wo, Transport = Transport::radiance) noexcept;
+
+    BsdfValue evaluate(const Vec3& wi, Terms = Terms::together) const noexcept;
+    std::optional<BsdfSample> sample(float uLobe, Point2 u) const noexcept;
+    DeltaBranches deltaSplit() const noexcept;
+    bool smooth() const noexcept;                            // has a lobe that evaluate() answers for
+    Spectrum albedo() const noexcept;                        // directional-hemispherical, as a denoiser wants it
+    Spectrum diffuseAlbedo() const noexcept;                 // of the diffuse lobe, coat attenuation included
+    const Vec3& normal() const noexcept { return frame_.z; } // the shading normal in use, on the side of wo
+
+private:
+    float correction(const Vec3& wi, float cosI) const noexcept;
+    bool sides(const Vec3& wi, const Vec3& local) const noexcept;
+
+    Frame frame_;       // about the shading normal, z on the side of wo
+    Vec3 ng_;           // on the side of wo
+    float adjoint_ = 0; // |wo.ns| / |wo.ng| where importance travels over a shading normal that is not the geometric one, else 0
+    Lobes lobes_;
+};
+
+// The closure at a hit: textures read, normal map applied, back faces turned. footprint: of the ray that came.
+Bsdf shade(const Scene&, const SurfacePoint&, const Vec3& wo, const Footprint&, Wavelengths&, Transport = Transport::radiance) noexcept;
+
+// What the inside of a solid lets through over a segment that leaves `from` towards wi and ends after distance metres at `to` (null: none).
+// KHR_materials_volume: T = attenuationColor^(distance / attenuationDistance). The medium is that behind the back face at either end, so a
+// segment and its reverse agree.
+Spectrum segmentTransmittance(const Scene&, const SurfacePoint* from, const Vec3& wi, const SurfacePoint* to, float distance) noexcept;
+
+} // namespace chiaro
