@@ -58,12 +58,11 @@ void Path::radiance(const Job& job, PathStart& start, Outputs& out) const noexce
             out.aov(Aov::normal, Spectrum(bsdf.normal().x, bsdf.normal().y, bsdf.normal().z));
         }
         if (!classes.continues(state)) return;
-        const double pick = sampler.getPick();
-        const Point2 uLight = sampler.get2D();
+        const PickAndPoint uLight = sampler.get3D(), uBsdf = sampler.get3D();
         if (nee_ && bsdf.smooth())
-            addDirect(job, at, bsdf, state, throughput, scene.lights().sampleTowards(at, pick, uLight), mis_ ? Mis::on : Mis::off, out);
-        const float uLobe = sampler.get1D();
-        const auto sample = bsdf.sample(uLobe, sampler.get2D());
+            addDirect(job, at, bsdf, state, throughput, scene.lights().sampleTowards(at, uLight.pick, uLight.u), mis_ ? Mis::on : Mis::off,
+                      out);
+        const auto sample = bsdf.sample(min(float(uBsdf.pick), oneMinusEpsilon), uBsdf.u);
         if (!sample) return;
         const Turn next = turn(classes, state, bsdf, *sample, sampler.get1D());
         const float uRoulette = sampler.get1D();

@@ -41,8 +41,8 @@ SceneDesc makeVeachMis() {
     SceneDesc s;
     s.name = "@veach-mis";
     const int grey = add(s, diffuse("grey", Spectrum{0.4f}));
-    add(s, "floor", quad({-10, -4.5, 8}, {10, -4.5, 8}, {10, -4.5, -6}, {-10, -4.5, -6}), grey);
-    add(s, "wall", quad({-10, -4.5, -6}, {10, -4.5, -6}, {10, 7, -6}, {-10, 7, -6}), grey);
+    add(s, "floor", quad({-14, -4.5, 8}, {14, -4.5, 8}, {14, -4.5, -9}, {-14, -4.5, -9}), grey);
+    add(s, "wall", quad({-14, -4.5, -9}, {14, -4.5, -9}, {14, 9, -9}, {-14, 9, -9}), grey);
 
     const Plate plates[] = {{0.005f, {0, -0.3, -2.6}}, {0.02f, {0, -1.35, -0.6}}, {0.05f, {0, -2.35, 1.4}}, {0.1f, {0, -3.3, 3.4}}};
     for (const Plate& p : plates) {
@@ -51,7 +51,7 @@ SceneDesc makeVeachMis() {
         add(s, name, box({4.5, 0.05, 0.85}), material, leaning(p.centre));
     }
 
-    const double power = 400; // lumen, of each
+    const double power = 100; // lumen, of each
     const Bulb bulbs[] = {
         {-3.75, 0.0333333, {1, 0.75f, 0.5f}}, {-1.25, 0.1, {0.7f, 1, 0.6f}}, {1.25, 0.3, {0.6f, 0.8f, 1}}, {3.75, 0.9, {1, 0.6f, 0.8f}}};
     for (const Bulb& b : bulbs) {

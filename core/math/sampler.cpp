@@ -1,4 +1,5 @@
 #include "core/math/sampler.h"
+#include <array>
 
 namespace chiaro {
 namespace {
@@ -31,6 +32,24 @@ uint32_t sobolSecondReversed(uint32_t index) noexcept {
     index ^= (index & 0xf0f0f0f0u) >> 4;
     index ^= (index & 0xff00ff00u) >> 8;
     return index ^ index >> 16;
+}
+
+// Third dimension: primitive polynomial x^2 + x + 1, first direction numbers 1 and 3 (Joe and Kuo 2008), a table for each byte of the
+// index.
+using ByteTables = std::array<std::array<uint32_t, 256>, 4>;
+constexpr ByteTables thirdTables() {
+    std::array<uint32_t, 32> v{0x80000000u, 0xc0000000u};
+    for (std::size_t i = 2; i < 32; ++i) v[i] = v[i - 1] ^ v[i - 2] ^ v[i - 2] >> 2;
+    ByteTables tables{};
+    for (std::size_t byte = 0; byte < 4; ++byte)
+        for (uint32_t value = 0; value < 256; ++value)
+            for (std::size_t bit = 0; bit < 8; ++bit)
+                if (value >> bit & 1) tables[byte][value] ^= v[byte * 8 + bit];
+    return tables;
+}
+uint32_t sobolThird(uint32_t index) noexcept {
+    static constexpr ByteTables tables = thirdTables();
+    return tables[0][index & 255] ^ tables[1][index >> 8 & 255] ^ tables[2][index >> 16 & 255] ^ tables[3][index >> 24];
 }
 
 float toUnit(uint32_t bits) noexcept { return float(bits >> 8) * 0x1p-24f; }
@@ -71,21 +90,35 @@ double Sampler::getPick() noexcept {
     return d < vectorSize_ ? double(vector_[d]) : double(bits(d)) * 0x1p-32;
 }
 
+// The first two dimensions of the point whose shuffled index has this reversal.
+Point2 Sampler::pair(uint32_t reversed, uint32_t seedX, uint32_t seedY) noexcept {
+    return {toUnit(owenScramble(reversed, seedX)), toUnit(reverseBits(laineKarras(sobolSecondReversed(reverseBits(reversed)), seedY)))};
+}
+
 Point2 Sampler::get2D() noexcept {
     if (dimension_ + 1 < vectorSize_) {
         const float x = get1D();
         return {x, get1D()};
     }
-    const uint32_t d = dimension_;
+    const uint64_t h = hashCombine(key_, dimension_), g = hashMix(h ^ 0x6a09e667f3bcc909ull);
     dimension_ += 2;
-    const uint64_t h = hashCombine(key_, d), g = hashMix(h ^ 0x6a09e667f3bcc909ull);
     if (kind_ == SamplerKind::independent) {
         const uint64_t r = hashCombine(h, index_);
         return {toUnit(uint32_t(r >> 32)), toUnit(uint32_t(r))};
     }
-    const uint32_t reversed = laineKarras(reverseBits(index_), uint32_t(h)), shuffled = reverseBits(reversed);
-    return {toUnit(owenScramble(reversed, uint32_t(h >> 32))),
-            toUnit(reverseBits(laineKarras(sobolSecondReversed(shuffled), uint32_t(g))))};
+    return pair(laineKarras(reverseBits(index_), uint32_t(h)), uint32_t(h >> 32), uint32_t(g));
+}
+
+PickAndPoint Sampler::get3D() noexcept {
+    if (dimension_ < vectorSize_ || kind_ == SamplerKind::independent) {
+        const double pick = getPick();
+        return {pick, get2D()};
+    }
+    const uint64_t h = hashCombine(key_, dimension_), g = hashMix(h ^ 0x6a09e667f3bcc909ull);
+    dimension_ += 3;
+    const uint32_t reversed = laineKarras(reverseBits(index_), uint32_t(h));
+    const uint32_t third = owenScramble(sobolThird(reverseBits(reversed)), uint32_t(g >> 32));
+    return {double(third) * 0x1p-32, pair(reversed, uint32_t(h >> 32), uint32_t(g))};
 }
 
 Sampler Sampler::split(uint32_t j, uint32_t n) const noexcept {

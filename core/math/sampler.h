@@ -11,6 +11,12 @@
 
 namespace chiaro {
 
+// A choice and what is done with the chosen: `pick` with 32 random bits, since 24 would leave the rare ones among many a coarse share.
+struct PickAndPoint {
+    double pick = 0; // [0, 1)
+    Point2 u;        // [0, 1)^2
+};
+
 enum class SamplerKind : uint8_t { sobol, independent };
 enum class Stream : uint32_t { pixel, light, chain, prepass };
 
@@ -23,9 +29,11 @@ public:
     // Numbers from a given vector first (a Markov chain's state), from `beyond` afterwards.
     static Sampler replay(std::span<const float> vector, Sampler beyond) noexcept;
 
-    float get1D() noexcept;    // [0, 1), 24 bits
-    double getPick() noexcept; // [0, 1) with 32 bits: to choose among many, where 24 would leave the rare ones a coarse share
+    float get1D() noexcept;    // [0, 1)
+    double getPick() noexcept; // [0, 1) with 32 random bits
     Point2 get2D() noexcept;   // [0, 1)^2
+    // Three dimensions stratified together (Sobol' 1, 2 and 3): every light or lobe that is picked gets well-spread points of its own.
+    PickAndPoint get3D() noexcept;
     void skip(uint32_t dimensions) noexcept { dimension_ += dimensions; } // keeps one meaning a dimension where a path needs fewer
     // The j-th of n continuations, stratified together over all samples; n = 1 continues unchanged.
     Sampler split(uint32_t j, uint32_t n) const noexcept;
@@ -33,6 +41,7 @@ public:
 
 private:
     uint32_t bits(uint32_t dimension) const noexcept;
+    static Point2 pair(uint32_t reversedIndex, uint32_t seedX, uint32_t seedY) noexcept;
     uint64_t key_ = 0;
     uint32_t index_ = 0, dimension_ = 0;
     SamplerKind kind_ = SamplerKind::sobol;

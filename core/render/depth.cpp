@@ -5,21 +5,25 @@ namespace chiaro {
 namespace {
 
 // Steps through cut-outs until something counts as a surface.
-float depthAlong(const Job& job, Ray ray, Hit hit) {
+struct Seen {
+    float depth = infinity;
+    bool lamp = false;
+};
+Seen seenAlong(const Job& job, Ray ray, Hit hit) {
     constexpr int mostCutOuts = 1000; // a ray that meets more is given up as a miss
     for (int i = 0; i < mostCutOuts && hit; ++i) {
         const SurfacePoint point = job.scene.point(hit, ray);
-        if (job.scene.opacity(point) >= 0.5f) return job.view.camera.depth(point.p);
+        if (job.scene.opacity(point) >= 0.5f) return {job.view.camera.depth(point.p), point.light != Lights::none};
         const float tfar = ray.tfar, time = ray.time;
         ray = point.towards(ray.d);
         ray.tfar = tfar;
         ray.time = time;
         hit = job.scene.intersect(ray);
     }
-    return infinity;
+    return {};
 }
 
-void depthOfTile(const Job& job, Rect tile, std::vector<float>& out) {
+void seeTile(const Job& job, Rect tile, Centres& out) {
     const Rect& crop = job.view.crop;
     std::vector<Ray> rays;
     std::vector<Hit> hits(tile.area());
@@ -29,17 +33,23 @@ void depthOfTile(const Job& job, Rect tile, std::vector<float>& out) {
     job.scene.intersect(rays, hits, true);
     std::size_t i = 0;
     for (uint32_t y = tile.y0; y < tile.y1; ++y)
-        for (uint32_t x = tile.x0; x < tile.x1; ++x, ++i)
-            out[std::size_t(y - crop.y0) * crop.width() + (x - crop.x0)] = depthAlong(job, rays[i], hits[i]);
+        for (uint32_t x = tile.x0; x < tile.x1; ++x, ++i) {
+            const Seen seen = seenAlong(job, rays[i], hits[i]);
+            const std::size_t at = std::size_t(y - crop.y0) * crop.width() + (x - crop.x0);
+            out.depth[at] = seen.depth;
+            out.lamp[at] = seen.lamp;
+        }
 }
 
 } // namespace
 
-std::vector<float> depthLayer(const Job& job) {
-    std::vector<float> depth(job.view.crop.area());
+Centres seenAtCentres(const Job& job) {
+    Centres centres{std::vector<float>(job.view.crop.area()), std::vector<uint8_t>(job.view.crop.area())};
     job.run.tiles(
-        job.view.crop, [&](Rect tile) { depthOfTile(job, tile, depth); }, nullptr);
-    return depth;
+        job.view.crop, [&](Rect tile) { seeTile(job, tile, centres); }, nullptr);
+    return centres;
 }
+
+std::vector<float> depthLayer(const Job& job) { return seenAtCentres(job).depth; }
 
 } // namespace chiaro

@@ -7,6 +7,12 @@
 
 namespace chiaro {
 
-std::vector<float> depthLayer(const Job&); // one value a pixel of the crop, rows from the top
+// One value a pixel of the crop, rows from the top.
+struct Centres {
+    std::vector<float> depth;
+    std::vector<uint8_t> lamp; // 1 where the surface is a light
+};
+Centres seenAtCentres(const Job&);
+std::vector<float> depthLayer(const Job&);
 
 } // namespace chiaro

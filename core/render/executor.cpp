@@ -1,4 +1,5 @@
 #include "core/render/executor.h"
+#include <algorithm>
 #include <thread>
 #include <vector>
 #include <xmmintrin.h>
@@ -17,22 +18,23 @@ constexpr uint32_t tileSize = 16;
 // Denormals cost hundreds of cycles and carry no light.
 void flushDenormals() noexcept { _mm_setcsr(_mm_getcsr() | 0x8040); }
 
-uint32_t everySecondBit(uint64_t x) noexcept {
-    uint32_t result = 0;
-    for (int bit = 0; bit < 32; ++bit) result |= uint32_t(x >> (2 * bit) & 1) << bit;
+uint64_t spread(uint32_t x) noexcept { // bit i to bit 2i
+    uint64_t result = 0;
+    for (int bit = 0; bit < 32; ++bit) result |= uint64_t(x >> bit & 1) << (2 * bit);
     return result;
 }
 
 std::vector<Rect> mortonTiles(Rect area) {
     const uint32_t columns = (area.width() + tileSize - 1) / tileSize, rows = (area.height() + tileSize - 1) / tileSize;
+    std::vector<std::pair<uint64_t, Pixel>> order;
+    order.reserve(std::size_t(columns) * rows);
+    for (uint32_t row = 0; row < rows; ++row)
+        for (uint32_t column = 0; column < columns; ++column) order.push_back({spread(column) | spread(row) << 1, {column, row}});
+    std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     std::vector<Rect> tiles;
-    tiles.reserve(std::size_t(columns) * rows);
-    uint64_t side = 1;
-    while (side < columns || side < rows) side *= 2;
-    for (uint64_t m = 0; m < side * side && tiles.size() < std::size_t(columns) * rows; ++m) {
-        const uint32_t column = everySecondBit(m), row = everySecondBit(m >> 1);
-        if (column >= columns || row >= rows) continue;
-        const uint32_t x = area.x0 + column * tileSize, y = area.y0 + row * tileSize;
+    tiles.reserve(order.size());
+    for (const auto& [code, tile] : order) {
+        const uint32_t x = area.x0 + tile.x * tileSize, y = area.y0 + tile.y * tileSize;
         tiles.push_back({x, y, std::min(x + tileSize, area.x1), std::min(y + tileSize, area.y1)});
     }
     return tiles;

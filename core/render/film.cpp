@@ -104,40 +104,33 @@ void Film::lightPaths(double count, Half half) noexcept {
     lightPaths_[int(half)] += count;
 }
 
-Spectrum Film::value(std::size_t pixel, int layer, int half) const noexcept {
+Spectrum Film::value(std::size_t pixel, int firstLayer, int endLayer, int half) const noexcept {
     const Counts& n = counts_[pixel];
     const double count = half == 2 ? double(n.kept[0]) + n.kept[1] : double(n.kept[half]);
     const double paths = half == 2 ? lightPaths_[0] + lightPaths_[1] : lightPaths_[half];
-    const std::size_t i = pixel + std::size_t(layer) * layout_.crop.area();
+    const int firstHalf = half == 2 ? 0 : half, endHalf = half == 2 ? 2 : half + 1;
     Spectrum result(0);
     for (std::size_t c = 0; c < 3; ++c) {
-        double v = 0;
-        const auto& s = sums_[i].half;
-        if (count > 0) v += fromFixed(half == 2 ? s[0][c] + s[1][c] : s[half][c]) / count;
-        if (splats_ && paths > 0) {
-            Int128 sum = 0;
-            for (int h = half == 2 ? 0 : half; h <= (half == 2 ? 1 : half); ++h) {
+        Int128 sum = 0, splatted = 0; // over layers too, as integers: the beauty is their sum to the last bit
+        for (int l = firstLayer; l < endLayer; ++l)
+            for (int h = firstHalf; h < endHalf; ++h) {
+                const std::size_t i = pixel + std::size_t(l) * layout_.crop.area();
+                sum += sums_[i].half[h][c];
+                if (!splats_) continue;
                 const auto& d = splats_[i].digit[h][c];
-                sum += Int128(d[0].load()) + (Int128(d[1].load()) << 32) + (Int128(d[2].load()) << 64);
+                splatted += Int128(d[0].load()) + (Int128(d[1].load()) << 32) + (Int128(d[2].load()) << 64);
             }
-            v += fromFixed(sum) / paths;
-        }
+        double v = 0;
+        if (count > 0) v += fromFixed(sum) / count;
+        if (paths > 0) v += fromFixed(splatted) / paths;
         result[c] = float(v);
     }
     return result;
 }
 
-Spectrum Film::mean(Pixel p, int layer) const noexcept { return value(at(p), layer, 2); }
-Spectrum Film::mean(Pixel p) const noexcept {
-    Spectrum sum(0);
-    for (int l = 0; l < planes_; ++l) sum += value(at(p), l, 2);
-    return sum;
-}
-Spectrum Film::halfMean(Pixel p, Half half) const noexcept {
-    Spectrum sum(0);
-    for (int l = 0; l < planes_; ++l) sum += value(at(p), l, int(half));
-    return sum;
-}
+Spectrum Film::mean(Pixel p, int layer) const noexcept { return value(at(p), layer, layer + 1, 2); }
+Spectrum Film::mean(Pixel p) const noexcept { return value(at(p), 0, planes_, 2); }
+Spectrum Film::halfMean(Pixel p, Half half) const noexcept { return value(at(p), 0, planes_, int(half)); }
 
 Spectrum Film::aov(Pixel p, Aov which) const noexcept {
     const double n = count(p);

@@ -102,7 +102,7 @@ private:
         uint32_t next = 0, kept[2] = {};
     };
     std::size_t at(Pixel p) const noexcept { return std::size_t(p.y - layout_.crop.y0) * layout_.crop.width() + (p.x - layout_.crop.x0); }
-    Spectrum value(std::size_t pixel, int layer, int half) const noexcept; // half 2: both
+    Spectrum value(std::size_t pixel, int firstLayer, int endLayer, int half) const noexcept; // half 2: both
     void drop(Pixel, uint32_t sample) noexcept;
 
     FilmLayout layout_;

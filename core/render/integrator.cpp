@@ -43,7 +43,7 @@ void traceFirst(const Job& job, PathStart& start) noexcept {
 class TileLoop {
 public:
     TileLoop(const Job& job, const Pass& pass, Film& film, Batch batch, const Starts& how)
-        : job_(job), pass_(pass), film_(film), batch_(batch), how_(how), most_(std::min<std::size_t>(how.width, mostStarts)) {
+        : job_(job), pass_(pass), film_(film), batch_(batch), how_(how), most_(std::clamp<std::size_t>(how.width, 1, mostStarts)) {
         thread_local const std::unique_ptr<Room> room = std::make_unique<Room>();
         room_ = room.get();
     }

@@ -18,7 +18,7 @@ public:
     double density(double x) const noexcept;          // of one axis
 
 private:
-    static constexpr int cells = 256;
+    static constexpr int cells = 1024;
     FilterKind kind_;
     float radius_;
     std::array<float, cells + 1> inverse_{}; // inverse distribution function, linear between

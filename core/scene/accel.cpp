@@ -55,7 +55,8 @@ std::string chooseIsa(const std::string& wanted) {
 // Embree aborts the process on a ray that is not finite.
 bool usable(const Ray& r) noexcept {
     constexpr float far = 1e18f;
-    return maxAbs(r.o) < far && maxAbs(r.d) <= 1.001f && r.tnear >= 0 && r.tnear <= r.tfar && finite(r.d) && finite(r.o);
+    return maxAbs(r.o) < far && maxAbs(r.d) <= 1.001f && r.tnear >= 0 && r.tnear < infinity && r.tnear <= r.tfar && finite(r.d) &&
+           finite(r.o) && std::isfinite(r.time);
 }
 
 uint32_t identity(const Ray& r) noexcept {

@@ -28,6 +28,15 @@ Affine moved(Affine m, const Vec3d& centre) noexcept {
     return m;
 }
 
+// Also in the floats of the ray tracer: it divides by the determinant.
+bool invertible(const Affine& m) noexcept {
+    double largest = 0;
+    for (const auto& row : m.m)
+        for (int j = 0; j < 3; ++j) largest = std::max(largest, std::fabs(row[j]));
+    const double d = std::fabs(m.determinant());
+    return d > 1e-9 * largest * largest * largest && d > 1e-30 && d < 1e30;
+}
+
 AffineT<float> narrowed(const Affine& m) noexcept {
     AffineT<float> r;
     for (int i = 0; i < 3; ++i)
@@ -98,11 +107,10 @@ Geometry SceneCompiler::geometry(PrimitiveDesc& p, const Affine* toWorld) {
     if (toWorld) {
         const bool flip = toWorld->determinant() < 0;
         for (Vec3& v : g.positions) v = cast<float>(toWorld->point(cast<double>(v)));
-        for (Vec3& n : g.normals) {
-            const Vec3d w = toWorld->normal(cast<double>(n)) * (flip ? -1.0 : 1.0);
-            const double l = length(w);
-            n = l > 0 ? cast<float>(w * (1 / l)) : Vec3{};
-        }
+        // One factor for all: normals of unequal length would interpolate to another direction than those of an instance do.
+        double longest = 0;
+        for (const Vec3& n : g.normals) longest = std::max(longest, length(toWorld->normal(cast<double>(n))));
+        for (Vec3& n : g.normals) n = longest > 0 ? cast<float>(toWorld->normal(cast<double>(n)) * ((flip ? -1 : 1) / longest)) : Vec3{};
         for (Vec4& t : g.tangents) {
             const Vec3 w = cast<float>(toWorld->vector(Vec3d{t.x, t.y, t.z}));
             t = {w.x, w.y, w.z, flip ? -t.w : t.w};
@@ -116,13 +124,20 @@ Geometry SceneCompiler::geometry(PrimitiveDesc& p, const Affine* toWorld) {
 }
 
 void SceneCompiler::place() {
+    // Nodes that flatten their mesh cannot be instances: a ray has no image under them.
     std::vector<uint32_t> uses(desc_.meshes.size(), 0);
-    for (const InstanceDesc& in : desc_.instances) ++uses[in.mesh];
-    for (const InstanceDesc& in : desc_.instances) {
-        if (uses[in.mesh] != 1) continue;
+    for (const InstanceDesc& in : desc_.instances)
+        if (invertible(in.toWorld)) ++uses[in.mesh];
+    const auto bake = [&](PrimitiveDesc p, const InstanceDesc& in) {
         const Affine m = moved(in.toWorld, scene_->centre_);
-        for (PrimitiveDesc& p : desc_.meshes[in.mesh].primitives) scene_->geometries_.push_back(geometry(p, &m));
-    }
+        scene_->geometries_.push_back(geometry(p, &m));
+    };
+    for (const InstanceDesc& in : desc_.instances)
+        if (!invertible(in.toWorld))
+            for (const PrimitiveDesc& p : desc_.meshes[in.mesh].primitives) bake(p, in);
+    for (const InstanceDesc& in : desc_.instances)
+        if (uses[in.mesh] == 1 && invertible(in.toWorld))
+            for (PrimitiveDesc& p : desc_.meshes[in.mesh].primitives) bake(std::move(p), in);
     top_ = scene_->geometries_.size();
     std::vector<uint32_t> first(desc_.meshes.size(), 0);
     for (std::size_t i = 0; i < desc_.meshes.size(); ++i) {
@@ -131,7 +146,7 @@ void SceneCompiler::place() {
         for (PrimitiveDesc& p : desc_.meshes[i].primitives) scene_->geometries_.push_back(geometry(p, nullptr));
     }
     for (const InstanceDesc& in : desc_.instances) {
-        if (uses[in.mesh] < 2) continue;
+        if (uses[in.mesh] < 2 || !invertible(in.toWorld)) continue;
         const Affine m = moved(in.toWorld, scene_->centre_);
         Instance instance;
         instance.toWorld = narrowed(m);

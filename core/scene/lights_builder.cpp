@@ -103,7 +103,7 @@ void LightsBuilder::setEnvironment(const EnvironmentDesc& d, float sceneRadius) 
     }
     e.table = AliasTable(weights);
     if (!e.table.empty())
-        for (std::size_t i = 0; i < count; ++i) e.texels[i].w = float(weights[i] / e.table.sum() / solidAngle[i / e.width]);
+        for (std::size_t i = 0; i < count; ++i) e.texels[i].w = float(double(e.table.pmf(uint32_t(i))) / solidAngle[i / e.width]);
     e.power = e.table.sum() * double(pi) * sceneRadius * sceneRadius;
     lights_.environment_ = std::move(e);
 }
@@ -115,7 +115,10 @@ void LightsBuilder::finish() {
     lights_.finite_ = AliasTable(power);
     const double sky = lights_.environment_ ? lights_.environment_->power : 0;
     lights_.power_ = lights_.finite_.sum() + sky;
-    lights_.pickEnvironment_ = lights_.power_ > 0 ? float(sky / lights_.power_) : 0;
+    // Neither side may round to nothing: a lamp on a wide plain under the sky has less than 2^-24 of its power.
+    constexpr double least = 0x1p-10;
+    const double share = lights_.power_ > 0 ? sky / lights_.power_ : 0;
+    lights_.pickEnvironment_ = share > 0 && share < 1 ? float(std::clamp(share, least, 1 - least)) : float(share);
 }
 
 std::vector<LightInfo> Lights::describe() const {

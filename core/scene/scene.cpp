@@ -32,6 +32,16 @@ void derivatives(const Vec3& e1, const Vec3& e2, Point2 a, Point2 b, Point2 c, V
     dpdv = (e2 * du1 - e1 * du2) * (1 / det);
 }
 
+// A hit on the very edge of its triangle may be rounded to the far side of the wall that it meets there: a ray from it would begin outside.
+// It is pulled towards the triangle's centre until it lies at least two bounds within, by four bounds at most. e1, e2, doubleArea: world.
+Vec3 inset(const Vec3& p, const Vec3& e1, const Vec3& e2, float doubleArea, float u, float v, float error) noexcept {
+    const float longest = std::sqrt(max(lengthSquared(e1), max(lengthSquared(e2), lengthSquared(e2 - e1)))), height = doubleArea / longest;
+    if (!(min(u, min(v, 1 - u - v)) * height < 2 * error)) return p;
+    const Vec3 way = e1 * (1 / 3.f - u) + e2 * (1 / 3.f - v);
+    const float far = length(way), share = min(1.f, 6 * error / height);
+    return far > 0 ? p + way * min(share, 4 * error / far) : p;
+}
+
 } // namespace
 
 Vec3 SurfacePoint::offset(const Vec3& w) const noexcept {
@@ -76,7 +86,7 @@ SurfacePoint Scene::point(const Hit& hit, const Ray& ray) const noexcept {
     SurfacePoint s = attributes(hit);
     s.time = ray.time;
     const Vec3 &a = g.positions[i[0]], &b = g.positions[i[1]], &c = g.positions[i[2]];
-    const Vec3 e1 = b - a, e2 = c - a;
+    Vec3 e1 = b - a, e2 = c - a;
     s.p = a + e1 * hit.u + e2 * hit.v;
     s.ng = cross(e1, e2);
     const bool smooth = !g.normals.empty(), mapped = materials_[g.material].normalTexture.texture >= 0;
@@ -99,12 +109,15 @@ SurfacePoint Scene::point(const Hit& hit, const Ray& ray) const noexcept {
         s.tangentSign *= side;
         s.dpdu = in.toWorld.vector(s.dpdu);
         s.dpdv = in.toWorld.vector(s.dpdv);
+        e1 = in.toWorld.vector(e1);
+        e2 = in.toWorld.vector(e2);
         float world = 0;
         for (const auto& row : in.toWorld.m)
             world = max(world, (std::fabs(row[0]) + std::fabs(row[1]) + std::fabs(row[2])) * reach + std::fabs(row[3]));
         reach = world;
     }
     s.error = gamma8 * reach;
+    s.p = inset(s.p, e1, e2, length(s.ng), hit.u, hit.v, s.error);
     s.ng = unitOr(s.ng, Vec3{0, 0, 1});
     s.ns = smooth ? unitOr(s.ns, s.ng) : s.ng;
     if (dot(s.ns, s.ng) < 0) s.ns = -s.ns;

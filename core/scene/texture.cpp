@@ -28,8 +28,11 @@ int wrap(int i, int n, Wrap mode) noexcept {
     return m < n ? m : period - 1 - m;
 }
 
-// Texture coordinates far outside any sensible range would overflow the texel index.
-float tame(float v) noexcept { return std::isfinite(v) ? std::fmod(v, 65536.f) : 0.f; }
+// Texture coordinates far outside any sensible range would overflow the texel index. Two pictures are a period of every mode.
+float tame(float v, Wrap mode) noexcept {
+    if (!std::isfinite(v)) return 0;
+    return mode == Wrap::clamp ? std::clamp(v, -1.f, 2.f) : std::fmod(v, 2.f);
+}
 
 } // namespace
 
@@ -79,7 +82,7 @@ Vec4 Textures::texel(const ImageDesc& image, int x, int y, Transfer transfer) co
 Vec4 Textures::lookup(int texture, Point2 uv, Transfer transfer) const noexcept {
     const TextureDesc& t = textures_[texture];
     const ImageDesc& image = images_[t.image];
-    const float x = tame(uv.x) * float(image.width), y = tame(uv.y) * float(image.height);
+    const float x = tame(uv.x, t.wrapS) * float(image.width), y = tame(uv.y, t.wrapT) * float(image.height);
     const auto at = [&](int i, int j) { return texel(image, wrap(i, image.width, t.wrapS), wrap(j, image.height, t.wrapT), transfer); };
     if (t.filter == TextureFilter::nearest) return at(int(std::floor(x)), int(std::floor(y)));
     const float x0 = std::floor(x - 0.5f), y0 = std::floor(y - 0.5f), fx = x - 0.5f - x0, fy = y - 0.5f - y0;

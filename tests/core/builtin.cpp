@@ -218,7 +218,7 @@ TEST_SUITE("builtin scenes") {
             CHECK(watertight(ball));
             CHECK(signedVolume(trianglesOf(s, lamp)) > 0);
             const double power = std::numbers::pi * luminance(materialOf(s, lamp).emission) * shapes::area(ball);
-            CHECK(power == doctest::Approx(400).epsilon(1e-6));
+            CHECK(power == doctest::Approx(100).epsilon(1e-6));
             const double r = length(ball.positions.front());
             CHECK(r > 2.9 * radius);
             radius = r;

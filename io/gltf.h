@@ -1,0 +1,23 @@
+// Reads a glTF 2.0 scene (.gltf with external or data: URIs, .glb) into a SceneDesc. A file comes from anywhere: everything that it says is
+// checked before it is used, and whatever is understood but not applied, or not understood at all, is named in one warning.
+// Source: Khronos glTF 2.0.1 (2021) with KHR_lights_punctual, KHR_mesh_quantization, KHR_texture_transform,
+// KHR_materials_{emissive_strength, ior, specular, transmission, unlit, volume}, EXT_mesh_gpu_instancing, EXT_texture_webp.
+#pragma once
+#include "core/render/error.h"
+#include "core/scene/desc.h"
+#include <filesystem>
+
+namespace chiaro {
+
+enum class MissingTexture { error, grey };
+struct GltfOptions {
+    MissingTexture missingTexture =
+        MissingTexture::error; // grey: an absent or undecodable picture becomes one mid-grey texel, with a warning
+};
+
+// The default scene of the file (else its first one, else all root nodes). Instances, cameras and lights come in the order of the node
+// traversal, so the first camera is the one that is meant. Units, axes and light conventions are those of core/scene/desc.h.
+// Throws Error: Exit::file for a missing, unreadable or malformed file, Exit::unsupported for a required extension that cannot be honoured.
+SceneDesc readGltf(const std::filesystem::path& file, const GltfOptions& options, Diagnostics& notes);
+
+} // namespace chiaro

@@ -1,0 +1,67 @@
+#include "io/gltf_file.h"
+#include <algorithm>
+#include <fmt/format.h>
+#include <set>
+
+namespace chiaro::gltf {
+
+using nlohmann::json;
+
+namespace {
+
+const std::set<std::string> applied = {
+    "KHR_lights_punctual",   "KHR_materials_emissive_strength", "KHR_materials_ior",    "KHR_materials_specular",
+    "KHR_materials_unlit",   "KHR_materials_transmission",      "KHR_materials_volume", "KHR_texture_transform",
+    "KHR_mesh_quantization", "EXT_mesh_gpu_instancing",         "EXT_texture_webp"};
+// Change nothing that is drawn: metadata, and how polygons were cut into triangles.
+const std::set<std::string> silent = {"KHR_xmp", "KHR_xmp_json_ld", "FB_ngon_encoding"};
+
+// The extensions that something in the file carries; what extensionsUsed announces beyond them has no effect.
+void collect(const json& value, std::set<std::string>& names) {
+    if (!value.is_structured()) return;
+    for (const auto& [key, member] : value.items()) {
+        if (key == "extras") continue;
+        if (key == "extensions" && member.is_object())
+            for (const auto& [name, body] : member.items()) names.insert(name);
+        collect(member, names);
+    }
+}
+
+std::string remedy(const std::string& extension, const std::string& file) {
+    if (extension == "KHR_draco_mesh_compression" || extension == "EXT_meshopt_compression" || extension == "KHR_meshopt_compression")
+        return fmt::format("Try: gltf-transform copy {} out.glb", file);
+    if (extension == "KHR_texture_basisu") return fmt::format("Try: gltf-transform ktxdecompress {} out.glb", file);
+    return "Export it again without this extension.";
+}
+
+} // namespace
+
+void checkExtensions(const GltfFile& file) {
+    if (file.json.contains("extensionsRequired"))
+        for (const auto& entry : file.json["extensionsRequired"]) {
+            const std::string& name = entry.get_ref<const std::string&>();
+            if (!applied.contains(name) && !silent.contains(name))
+                throw Error(Exit::unsupported, printable(fmt::format("{} needs {}, which this build cannot read. {}", file.name,
+                                                                     name.substr(0, 100), remedy(name, file.name))));
+        }
+    std::set<std::string> carried;
+    collect(file.json, carried);
+    for (const std::string& name : carried)
+        if (!applied.contains(name) && !silent.contains(name))
+            file.warn(fmt::format("uses {}, which is not applied.", name.substr(0, 100)));
+}
+
+void checkVersion(const GltfFile& file) {
+    const json& asset = file.json["asset"];
+    const std::string version = asset["version"];
+    std::string least = "2.0";
+    if (asset.contains("minVersion")) {
+        if (!asset["minVersion"].is_string()) file.fail("/asset/minVersion", "must be a string. Export the file again.");
+        least = asset["minVersion"];
+    }
+    if (!version.starts_with("2.") || least != "2.0")
+        throw Error(Exit::unsupported, printable(fmt::format("{} is glTF {}, this build reads 2.0. Export it again as glTF 2.0.", file.name,
+                                                             shown(least != "2.0" ? least : version, 20))));
+}
+
+} // namespace chiaro::gltf

@@ -1,0 +1,95 @@
+// Inside the glTF reader: a file taken apart and checked. What is in a GltfFile can be used without further thought about ranges: every
+// index points to something, every accessor lies inside its buffer, the node graph is a forest. Steps, each in a file of its own:
+// gltf_container (bytes -> JSON + binary chunk), gltf_schema (types, numbers, references), gltf_uri + gltf_buffers (bytes of the buffers),
+// gltf_accessor (ranges, then values), gltf_nodes (graph, placement), gltf_mesh, gltf_material, gltf_images (conversion), gltf (the order).
+#pragma once
+#include "io/file_bytes.h"
+#include "io/gltf.h"
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+#include <tiny_gltf.h>
+#include <vector>
+
+namespace chiaro::gltf {
+
+using Bytes = std::span<const std::byte>;
+
+// Sums over a whole file above which it is refused: a small hostile file must not ask for all memory or time. What meshes keep may grow
+// with the bytes of the buffers (primitives that share one vertex buffer keep the part that they use).
+inline constexpr uint64_t maxJsonBytes = uint64_t(1) << 30;
+inline constexpr uint64_t maxVerticesRead = uint64_t(1) << 30, freeVertices = uint64_t(1) << 24, freeIndices = uint64_t(1) << 26;
+inline constexpr uint64_t maxInstances = 10'000'000, maxImageBytes = uint64_t(1) << 33;
+inline constexpr int maxJsonDepth = 100, maxNodeDepth = 1000;
+
+// A block of numbers in a buffer, as stored. Bytes are copied out one element at a time, so alignment does not matter here.
+struct Accessor {
+    int component = 0; // glTF's componentType: 5120 i8, 5121 u8, 5122 i16, 5123 u16, 5125 u32, 5126 f32
+    int width = 1;     // numbers an element
+    std::string type;
+    bool normalized = false;
+    size_t count = 0, stride = 0;
+    Bytes data; // from the first element on; empty: all zeros
+    struct {
+        size_t count = 0;
+        int component = 0;
+        Bytes indices, values;
+    } sparse;
+};
+
+struct GltfFile {
+    std::filesystem::path path;
+    std::string name; // the path as the user wrote it
+    Diagnostics* notes = nullptr;
+    std::vector<std::byte> content; // the whole file
+    Bytes binary;                   // the BIN chunk of a .glb
+    bool hasBinary = false;
+    nlohmann::json json;
+    std::vector<std::vector<std::byte>> loaded; // buffers that are not the BIN chunk
+    std::vector<Bytes> buffers;
+    std::vector<Accessor> accessors;
+    tinygltf::Model model; // nodes and meshes of the same JSON: tinygltf touches no file and no pixel
+
+    // Throws Error(Exit::file): "name: place problem". `what` holds problem and fix.
+    [[noreturn]] void fail(const std::string& place, const std::string& what) const;
+    void warn(const std::string& what) const;
+};
+
+// container
+void openContainer(GltfFile& file); // fills content, binary, json
+// schema
+void checkSchema(GltfFile& file); // JSON types, numbers, every reference
+// extensions
+void checkVersion(const GltfFile& file);    // Exit::unsupported unless glTF 2.0
+void checkExtensions(const GltfFile& file); // Exit::unsupported for required ones; one warning each for those not applied
+// uri
+std::optional<std::vector<std::byte>> decodeDataUri(std::string_view uri); // empty: malformed
+bool isDataUri(std::string_view uri);
+// The file that a relative URI names, inside the scene's folder; empty when there is none. Leaving the folder is an Error.
+std::filesystem::path resolveUri(const GltfFile& file, const std::string& place, const std::string& uri);
+// buffers
+const nlohmann::json& list(const GltfFile& file, const char* name); // a top-level array, or an empty one
+void loadBuffers(GltfFile& file);
+Bytes bufferView(const GltfFile& file, size_t view); // checked
+// accessor
+void checkAccessors(GltfFile& file);                                  // fills accessors
+std::vector<float> readFloats(const GltfFile& file, size_t accessor); // count x width; normalized integers mapped as glTF 3.6.2.2 says
+std::vector<uint32_t> readIndices(const GltfFile& file, size_t accessor);
+// nodes
+void checkNodes(const GltfFile& file); // cycles, two parents, depth, matrices
+// What conversion has built so far: glTF index -> index in the description, -1 not yet used.
+struct Conversion {
+    const GltfFile& file;
+    const GltfOptions& options;
+    SceneDesc& scene;
+    std::vector<int> meshes, materials, textures, images;
+    std::vector<int> missing; // images of the description that are stand-ins
+    uint64_t bufferBytes = 0, verticesRead = 0, vertices = 0, indices = 0, imageBytes = 0;
+};
+void convertNodes(Conversion& to);
+int convertMesh(Conversion& to, int mesh);
+int convertMaterial(Conversion& to, int material);
+int convertImage(Conversion& to, int image); // decoded once
+
+} // namespace chiaro::gltf

@@ -1,0 +1,287 @@
+#include "io/gltf_file.h"
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+namespace chiaro::gltf {
+
+using nlohmann::json;
+
+namespace {
+
+Affine compose(const std::array<double, 3>& t, const std::array<double, 4>& quaternion, const std::array<double, 3>& s) {
+    const Eigen::Matrix3d r =
+        Eigen::Quaterniond(quaternion[3], quaternion[0], quaternion[1], quaternion[2]).normalized().toRotationMatrix();
+    Affine a;
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) a.m[i][j] = r(i, j) * s[size_t(j)];
+        a.m[i][3] = t[size_t(i)];
+    }
+    return a;
+}
+
+template <size_t N, class Numbers> std::array<double, N> numbers(const Numbers& from, std::array<double, N> otherwise, size_t at = 0) {
+    if (!from.empty())
+        for (size_t i = 0; i < N; ++i) otherwise[i] = double(from[at + i]);
+    return otherwise;
+}
+
+bool isRotation(const std::array<double, 4>& q) {
+    const double size = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    return size > 1e-12 && std::isfinite(size);
+}
+
+Affine localTransform(const GltfFile& file, size_t index) {
+    const tinygltf::Node& node = file.model.nodes[index];
+    if (node.matrix.empty()) {
+        const auto q = numbers<4>(node.rotation, {0, 0, 0, 1});
+        if (!isRotation(q)) file.fail(fmt::format("/nodes/{}/rotation", index), "is no quaternion. Export the file again.");
+        return compose(numbers<3>(node.translation, {0, 0, 0}), q, numbers<3>(node.scale, {1, 1, 1}));
+    }
+    const auto& m = node.matrix; // column-major
+    if (std::abs(m[3]) > 1e-6 || std::abs(m[7]) > 1e-6 || std::abs(m[11]) > 1e-6 || std::abs(m[15] - 1) > 1e-6)
+        file.fail(fmt::format("/nodes/{}/matrix", index), "is not affine: its last row must be 0 0 0 1. Export the file again.");
+    Affine a;
+    for (size_t i = 0; i < 3; ++i)
+        for (size_t j = 0; j < 4; ++j) a.m[i][j] = m[j * 4 + i];
+    return a;
+}
+
+Vec3d column(const Affine& a, int j) { return {a.m[0][j], a.m[1][j], a.m[2][j]}; }
+
+bool finite(const Affine& a) {
+    for (const auto& row : a.m)
+        for (const double v : row)
+            if (!(std::abs(v) <= 1e18)) return false; // Embree squares coordinates in float
+    return true;
+}
+
+// Whether the linear part flattens space: a zero axis, or axes in one plane up to rounding.
+bool singular(const Affine& a) {
+    const double product = length(column(a, 0)) * length(column(a, 1)) * length(column(a, 2));
+    return !(product > 1e-60) || std::abs(a.determinant()) < 1e-9 * product;
+}
+
+// The same place and view direction without scale and shear: what is meant for cameras and lights. Keeps -Z, then +Y.
+std::optional<Affine> rigid(const Affine& a) {
+    const double sizeZ = length(column(a, 2));
+    if (!(sizeZ > 0)) return {};
+    const Vec3d z = column(a, 2) * (1 / sizeZ), up = column(a, 1), y0 = up - z * dot(up, z);
+    const double sizeY = length(y0);
+    if (!(sizeY > 1e-12 * length(up))) return {};
+    const Vec3d y = y0 * (1 / sizeY), x = cross(y, z);
+    Affine r;
+    const Vec3d axes[3] = {x, y, z};
+    for (int j = 0; j < 3; ++j) {
+        r.m[0][j] = axes[j].x;
+        r.m[1][j] = axes[j].y;
+        r.m[2][j] = axes[j].z;
+    }
+    for (int i = 0; i < 3; ++i) r.m[i][3] = a.m[i][3];
+    return r;
+}
+
+void addInstance(Conversion& to, size_t index, int mesh, const Affine& world) {
+    const std::string place = fmt::format("/nodes/{}", index);
+    if (!finite(world)) to.file.fail(place, "places its mesh beyond 1e18 m, or not at a number. Mend the transforms and export it again.");
+    if (singular(world)) return to.file.warn(place + " has a scale of zero; its mesh is not drawn.");
+    if (to.scene.instances.size() >= maxInstances)
+        to.file.fail(place, fmt::format("brings the scene above {} instances. Split the scene.", maxInstances));
+    to.scene.instances.push_back({mesh, world, to.file.model.nodes[index].name});
+}
+
+// EXT_mesh_gpu_instancing: one instance for each element of its accessors, inside the node's own frame.
+void addInstances(Conversion& to, size_t index, int mesh, const Affine& world, const json& attributes) {
+    const GltfFile& file = to.file;
+    size_t count = 0;
+    std::vector<float> values[3];
+    const char* const names[3] = {"TRANSLATION", "ROTATION", "SCALE"};
+    for (int k = 0; k < 3; ++k) {
+        if (!attributes.contains(names[k])) continue;
+        const std::string place = fmt::format("/nodes/{}/extensions/EXT_mesh_gpu_instancing/attributes/{}", index, names[k]);
+        const size_t accessor = attributes[names[k]];
+        const Accessor& a = file.accessors[accessor];
+        const std::string type = k == 1 ? "VEC4" : "VEC3";
+        if (a.type != type) file.fail(place, fmt::format("has type {}, must be {}. Export the file again.", a.type, type));
+        if (count && a.count != count)
+            file.fail(place, fmt::format("has {} elements, the others have {}. Export the file again.", a.count, count));
+        count = a.count;
+        if (count > maxInstances - to.scene.instances.size())
+            file.fail(place, fmt::format("brings the scene above {} instances. Split the scene.", maxInstances));
+        values[k] = readFloats(file, accessor);
+    }
+    for (size_t i = 0; i < count; ++i) {
+        const auto q = numbers<4>(values[1], {0, 0, 0, 1}, i * 4);
+        if (!isRotation(q))
+            file.fail(fmt::format("/nodes/{}/extensions/EXT_mesh_gpu_instancing/attributes/ROTATION", index),
+                      fmt::format("element {} is no quaternion. Export the file again.", i));
+        addInstance(to, index, mesh, world * compose(numbers<3>(values[0], {0, 0, 0}, i * 3), q, numbers<3>(values[2], {1, 1, 1}, i * 3)));
+    }
+}
+
+void addCamera(Conversion& to, size_t index, const Affine& world) {
+    const tinygltf::Node& node = to.file.model.nodes[index];
+    const json& from = list(to.file, "cameras")[size_t(node.camera)];
+    const std::string& type = from["type"].get_ref<const std::string&>();
+    const std::string place = fmt::format("/cameras/{}", node.camera);
+    if (type != "perspective" && type != "orthographic")
+        to.file.fail(place + "/type", fmt::format("{} is neither perspective nor orthographic. Export the file again.", shown(type)));
+    if (!from.contains(type)) to.file.fail(place, fmt::format("has no \"{}\". Export the file again.", type));
+    const json& lens = from[type];
+    CameraDesc camera;
+    camera.name = from.value("name", std::string());
+    if (camera.name.empty()) camera.name = node.name;
+    if (type == "perspective") {
+        camera.yfov = lens["yfov"];
+        camera.aspect = std::max(lens.value("aspectRatio", 0.0), 0.0);
+        if (!(camera.yfov > 0 && camera.yfov < 3.14159265358979))
+            to.file.fail(place + "/perspective/yfov", fmt::format("is {}, must lie between 0 and pi. Export the file again.", camera.yfov));
+    } else {
+        camera.projection = Projection::orthographic;
+        camera.xmag = std::abs(lens["xmag"].get<double>());
+        camera.ymag = std::abs(lens["ymag"].get<double>());
+        if (!(camera.xmag > 0 && camera.ymag > 0)) to.file.fail(place + "/orthographic", "has an extent of zero. Export the file again.");
+        camera.aspect = camera.xmag / camera.ymag;
+    }
+    const auto frame = rigid(world);
+    if (!frame) return to.file.warn(fmt::format("/nodes/{} has a scale of zero; its camera is left out.", index));
+    camera.toWorld = *frame;
+    to.scene.cameras.push_back(std::move(camera));
+}
+
+void addLight(Conversion& to, size_t index, const Affine& world, const json& from, const std::string& place) {
+    PunctualDesc light;
+    const std::string &kind = from["type"].get_ref<const std::string&>(), nodeName = to.file.model.nodes[index].name;
+    light.name = from.value("name", nodeName);
+    light.kind = kind == "point" ? PunctualKind::point : kind == "spot" ? PunctualKind::spot : PunctualKind::directional;
+    if (kind != "point" && kind != "spot" && kind != "directional")
+        to.file.fail(place + "/type", fmt::format("{} is none of point, spot, directional. Export the file again.", shown(kind)));
+    const double intensity = from.value("intensity", 1.0);
+    const auto color = numbers<3>(from.value("color", json::array()), {1, 1, 1});
+    for (size_t c = 0; c < 3; ++c) {
+        const double value = color[c] * intensity;
+        if (!(value >= 0 && value <= 3e38))
+            to.file.fail(place, fmt::format("has colour x intensity {}, must not be negative. Export the file again.", value));
+        light.intensity[c] = float(value);
+    }
+    light.range = light.kind == PunctualKind::directional ? 0 : std::max(from.value("range", 0.0), 0.0);
+    if (light.kind == PunctualKind::spot) {
+        const json spot = from.value("spot", json::object());
+        const double outer = spot.value("outerConeAngle", light.outerCone), inner = spot.value("innerConeAngle", 0.0);
+        light.outerCone = std::clamp(outer, 1e-4, 1.5707963267948966);
+        light.innerCone = std::clamp(inner, 0.0, light.outerCone);
+        if (light.outerCone != outer || light.innerCone != inner)
+            to.file.warn(fmt::format("{}/spot has cones {} and {}, must be 0 <= inner < outer <= pi/2; {} and {} are used.", place, inner,
+                                     outer, light.innerCone, light.outerCone));
+    }
+    Affine position;
+    for (int i = 0; i < 3; ++i) position.m[i][3] = world.m[i][3];
+    const auto frame = rigid(world);
+    if (!frame && light.kind != PunctualKind::point)
+        return to.file.warn(fmt::format("/nodes/{} has a scale of zero; its light is left out.", index));
+    light.toWorld = frame.value_or(position);
+    to.scene.lights.push_back(std::move(light));
+}
+
+void convertNode(Conversion& to, size_t index, const Affine& world) {
+    const GltfFile& file = to.file;
+    const tinygltf::Node& node = file.model.nodes[index];
+    const json& extensions = file.json["nodes"][index].value("extensions", json::object());
+    if (node.mesh >= 0) {
+        const int mesh = convertMesh(to, node.mesh);
+        if (node.skin >= 0) file.warn("has skins, which are not applied: skinned meshes stand in their bind pose.");
+        if (to.scene.meshes[size_t(mesh)].primitives.empty()) {
+            // nothing to draw; the mesh said why
+        } else if (extensions.contains("EXT_mesh_gpu_instancing")) {
+            addInstances(to, index, mesh, world, extensions["EXT_mesh_gpu_instancing"]["attributes"]);
+        } else {
+            addInstance(to, index, mesh, world);
+        }
+    }
+    if ((node.camera >= 0 || !extensions.empty()) && !finite(world))
+        file.fail(fmt::format("/nodes/{}", index), "lies beyond 1e18 m. Mend the transforms and export it again.");
+    if (node.camera >= 0) addCamera(to, index, world);
+    if (extensions.contains("KHR_lights_punctual")) {
+        const size_t light = extensions["KHR_lights_punctual"]["light"];
+        addLight(to, index, world, file.json["extensions"]["KHR_lights_punctual"]["lights"][light],
+                 fmt::format("/extensions/KHR_lights_punctual/lights/{}", light));
+    }
+}
+
+// The scene's roots: of the default scene, else of the first; without any scene, all nodes that are no child.
+std::vector<size_t> roots(const GltfFile& file) {
+    const json &scenes = list(file, "scenes"), &nodes = list(file, "nodes");
+    std::vector<bool> child(nodes.size());
+    for (const auto& node : nodes)
+        if (node.contains("children"))
+            for (const auto& c : node["children"]) child[c.get<size_t>()] = true;
+    std::vector<size_t> found;
+    if (scenes.empty()) {
+        for (size_t i = 0; i < nodes.size(); ++i)
+            if (!child[i]) found.push_back(i);
+        return found;
+    }
+    const size_t scene = file.json.value("scene", size_t(0));
+    std::vector<bool> seen(nodes.size());
+    for (const auto& entry : scenes[scene].value("nodes", json::array())) {
+        const size_t node = entry;
+        if (seen[node] || child[node])
+            file.fail(fmt::format("/scenes/{}/nodes", scene), fmt::format("names node {}, which is {}. Export the file again.", node,
+                                                                          seen[node] ? "there twice" : "a child of another node"));
+        seen[node] = true;
+        found.push_back(node);
+    }
+    return found;
+}
+
+} // namespace
+
+void checkNodes(const GltfFile& file) {
+    const json& nodes = list(file, "nodes");
+    std::vector<size_t> parent(nodes.size(), nodes.size());
+    for (size_t i = 0; i < nodes.size(); ++i) {
+        if (!nodes[i].contains("children")) continue;
+        for (const auto& entry : nodes[i]["children"]) {
+            const size_t child = entry;
+            if (parent[child] != nodes.size())
+                file.fail(fmt::format("/nodes/{}/children", i),
+                          fmt::format("names node {}, which node {} has already: a node has one parent. Export the file again.", child,
+                                      parent[child]));
+            parent[child] = i;
+        }
+    }
+    // With one parent at most, what no root reaches is a cycle.
+    std::vector<std::pair<size_t, int>> open;
+    size_t reached = 0;
+    std::vector<bool> seen(nodes.size());
+    for (size_t i = 0; i < nodes.size(); ++i)
+        if (parent[i] == nodes.size()) open.emplace_back(i, 1);
+    while (!open.empty()) {
+        const auto [node, depth] = open.back();
+        open.pop_back();
+        seen[node] = true;
+        ++reached;
+        if (depth > maxNodeDepth)
+            file.fail(fmt::format("/nodes/{}", node),
+                      fmt::format("lies more than {} nodes deep. Flatten the hierarchy and export it again.", maxNodeDepth));
+        if (nodes[node].contains("children"))
+            for (const auto& child : nodes[node]["children"]) open.emplace_back(child.get<size_t>(), depth + 1);
+    }
+    for (size_t i = 0; reached < nodes.size() && i < nodes.size(); ++i)
+        if (!seen[i]) file.fail(fmt::format("/nodes/{}", i), "is its own ancestor. Export the file again.");
+}
+
+void convertNodes(Conversion& to) {
+    std::vector<std::pair<size_t, Affine>> open;
+    const std::vector<size_t> first = roots(to.file);
+    for (auto it = first.rbegin(); it != first.rend(); ++it) open.emplace_back(*it, Affine{});
+    while (!open.empty()) { // depth first, children in their order
+        const auto [index, parent] = open.back();
+        open.pop_back();
+        const Affine world = parent * localTransform(to.file, index);
+        convertNode(to, index, world);
+        const auto& children = to.file.model.nodes[index].children;
+        for (auto it = children.rbegin(); it != children.rend(); ++it) open.emplace_back(size_t(*it), world);
+    }
+}
+
+} // namespace chiaro::gltf

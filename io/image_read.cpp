@@ -1,0 +1,183 @@
+#include "io/image_read.h"
+#include "io/file_bytes.h"
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+#include <cmath>
+#include <cstring>
+#include <fmt/format.h>
+
+namespace chiaro {
+
+namespace {
+
+constexpr uint64_t maxPixels = uint64_t(1) << 28; // 16,384 x 16,384
+
+[[noreturn]] void undecodable(const std::string& name, std::string why) {
+    if (const size_t line = why.find('\n'); line != why.npos) why.resize(line);
+    throw Error(Exit::file,
+                printable(fmt::format("{}: cannot be decoded ({}). Mend the picture or save it again.", name, why.substr(0, 200))));
+}
+
+// OpenImageIO would try every plug-in it knows, video and medicine included; a picture says what it is in its first bytes.
+std::string formatOf(std::span<const std::byte> bytes, const std::string& name) {
+    const std::string_view head(reinterpret_cast<const char*>(bytes.data()), std::min<size_t>(bytes.size(), 16));
+    using namespace std::string_view_literals;
+    const std::pair<std::string_view, const char*> magic[] = {{"\x89PNG"sv, "png"},
+                                                              {"\xff\xd8\xff"sv, "jpeg"},
+                                                              {"II*\0"sv, "tiff"},
+                                                              {"MM\0*"sv, "tiff"},
+                                                              {"II+\0"sv, "tiff"},
+                                                              {"MM\0+"sv, "tiff"},
+                                                              {"\x76\x2f\x31\x01"sv, "openexr"},
+                                                              {"#?"sv, "hdr"},
+                                                              {"BM"sv, "bmp"},
+                                                              {"DDS "sv, "dds"},
+                                                              {"GIF8"sv, "gif"},
+                                                              {"\0\0\0\x0cjP  "sv, "jpeg2000"},
+                                                              {"\xff\x4f\xff\x51"sv, "jpeg2000"}};
+    for (const auto& [begin, format] : magic)
+        if (head.starts_with(begin)) return format;
+    if (head.starts_with("RIFF") && head.substr(std::min<size_t>(head.size(), 8)).starts_with("WEBP")) return "webp";
+    if (name.ends_with(".tga") || name.ends_with(".TGA")) return "targa"; // has no mark of its own
+    if (head.starts_with("\xabKTX")) undecodable(name, "KTX2; try: gltf-transform ktxdecompress IN OUT");
+    undecodable(name, bytes.empty() ? "it is empty" : "no known picture format");
+}
+
+// libpng reports a truncated file on stderr, past everybody: walk the chunks first (PNG 3rd edition, 5.3: length, type, data, CRC; 5.6:
+// IHDR first, then IDAT, IEND last).
+void checkPng(std::span<const std::byte> bytes, const std::string& name) {
+    bool header = false, data = false;
+    for (size_t at = 8; at < bytes.size() && bytes.size() - at >= 12;) {
+        const auto is = [&](const char* type) { return std::memcmp(&bytes[at + 4], type, 4) == 0; };
+        uint32_t size = 0;
+        for (size_t i = 0; i < 4; ++i) size = size << 8 | std::to_integer<uint32_t>(bytes[at + i]);
+        header = header || (at == 8 && is("IHDR"));
+        data = data || is("IDAT");
+        if (!header || (is("IEND") && !data)) undecodable(name, "the PNG has no pixels");
+        if (is("IEND")) return;
+        if (size > bytes.size() - at - 12) break;
+        at += 12 + size_t(size);
+    }
+    undecodable(name, fmt::format("the PNG is truncated after {} bytes", bytes.size()));
+}
+
+// Grey, grey + alpha, RGB or RGBA out of whatever the file holds: by name where there are names, else the first ones.
+std::vector<int> channelsWanted(const OIIO::ImageSpec& spec) {
+    const int r = spec.channelindex("R"), g = spec.channelindex("G"), b = spec.channelindex("B");
+    std::vector<int> wanted;
+    if (r >= 0 && g >= 0 && b >= 0)
+        wanted = {r, g, b};
+    else if (spec.nchannels - (spec.alpha_channel >= 0) >= 3)
+        wanted = {0, 1, 2};
+    else
+        wanted = {spec.alpha_channel == 0 && spec.nchannels > 1 ? 1 : 0};
+    if (spec.alpha_channel >= 0 && spec.alpha_channel != wanted[0]) wanted.push_back(spec.alpha_channel);
+    return wanted;
+}
+
+// Copies the wanted channels of the pixels stored into the frame shown: where an EXR stores a part of its frame, the rest is 0.
+void place(const OIIO::ImageSpec& spec, const std::vector<int>& wanted, size_t size, const std::vector<std::byte>& from, ImageDesc& image) {
+    const size_t n = size_t(spec.nchannels), k = wanted.size();
+    image.pixels.assign(size_t(image.width) * size_t(image.height) * k * size, std::byte(0));
+    for (int y = 0; y < spec.height; ++y)
+        for (int x = 0; x < spec.width; ++x) {
+            const int toX = spec.x - spec.full_x + x, toY = spec.y - spec.full_y + y;
+            if (toX < 0 || toY < 0 || toX >= image.width || toY >= image.height) continue;
+            const std::byte* source = &from[(size_t(y) * size_t(spec.width) + size_t(x)) * n * size];
+            std::byte* target = &image.pixels[(size_t(toY) * size_t(image.width) + size_t(toX)) * k * size];
+            for (size_t c = 0; c < k; ++c) std::memcpy(target + c * size, source + size_t(wanted[c]) * size, size);
+        }
+}
+
+// OpenImageIO's WebP reader multiplies by alpha whatever it is told. Undone up to rounding; where alpha is 0 the colour is lost.
+void dividedByAlpha(std::vector<std::byte>& rgba) {
+    for (size_t i = 0; i + 3 < rgba.size(); i += 4) {
+        const int alpha = std::to_integer<int>(rgba[i + 3]);
+        for (size_t c = 0; c < 3 && alpha > 0; ++c)
+            rgba[i + c] = std::byte(std::min((std::to_integer<int>(rgba[i + c]) * 255 + alpha / 2) / alpha, 255));
+    }
+}
+
+void checkSize(const OIIO::ImageSpec& spec, const std::string& name) {
+    const auto tooLarge = [](int width, int height) { return width <= 0 || height <= 0 || uint64_t(width) * uint64_t(height) > maxPixels; };
+    if (spec.depth > 1 || spec.deep) undecodable(name, "deep or volumetric pixels");
+    if (spec.nchannels < 1 || tooLarge(spec.width, spec.height) || tooLarge(spec.full_width, spec.full_height) ||
+        uint64_t(spec.width) * uint64_t(spec.height) * uint64_t(spec.nchannels) > 4 * maxPixels)
+        undecodable(name, fmt::format("{} x {} pixels of {} channels; the limit is {} pixels of 4", spec.width, spec.height, spec.nchannels,
+                                      maxPixels));
+}
+
+float srgbToLinear(float v) { return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f); } // IEC 61966-2-1
+
+} // namespace
+
+ImageDesc decodeImage(std::span<const std::byte> bytes, const std::string& name) {
+    const std::string format = formatOf(bytes, name);
+    if (format == "png") checkPng(bytes, name);
+    OIIO::Filesystem::IOMemReader memory(const_cast<std::byte*>(bytes.data()), bytes.size()); // reads only, whatever its signature says
+    const auto input = OIIO::ImageInput::create(format);
+    if (!input) undecodable(name, OIIO::geterror());
+    OIIO::ImageSpec config, spec;
+    config["oiio:UnassociatedAlpha"] = 1;
+    if (!input->set_ioproxy(&memory) || !input->open(name, spec, config)) undecodable(name, input->geterror());
+    checkSize(spec, name);
+    ImageDesc image;
+    image.name = name;
+    image.width = spec.full_width;
+    image.height = spec.full_height;
+    const int base = spec.channelformats.empty() ? int(spec.format.basetype) : int(OIIO::TypeDesc::FLOAT);
+    image.type = base == OIIO::TypeDesc::UINT8 ? PixelType::u8 : base == OIIO::TypeDesc::UINT16 ? PixelType::u16 : PixelType::f32;
+    const size_t size = image.type == PixelType::u8 ? 1 : image.type == PixelType::u16 ? 2 : 4;
+    const OIIO::TypeDesc as = size == 1 ? OIIO::TypeDesc::UINT8 : size == 2 ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::FLOAT;
+    std::vector<std::byte> pixels(size_t(spec.width) * size_t(spec.height) * size_t(spec.nchannels) * size);
+    if (!input->read_image(0, 0, 0, spec.nchannels, as, pixels.data())) undecodable(name, input->geterror());
+    if (format == "webp" && spec.nchannels == 4 && size == 1) dividedByAlpha(pixels);
+    const std::vector<int> wanted = channelsWanted(spec);
+    image.channels = int(wanted.size());
+    bool whole = image.channels == spec.nchannels && spec.x == spec.full_x && spec.y == spec.full_y && spec.width == spec.full_width &&
+                 spec.height == spec.full_height;
+    for (size_t c = 0; c < wanted.size(); ++c) whole = whole && wanted[c] == int(c);
+    if (whole)
+        image.pixels = std::move(pixels);
+    else
+        place(spec, wanted, size, pixels, image);
+    return image;
+}
+
+ImageDesc readImage(const std::filesystem::path& file) { return decodeImage(readBytes(file), file.string()); }
+
+EnvironmentDesc readEnvironment(const std::filesystem::path& file, Diagnostics& notes) {
+    const ImageDesc from = readImage(file);
+    EnvironmentDesc out;
+    out.image = {from.name, from.width, from.height, 3, PixelType::f32, {}};
+    const size_t texels = size_t(from.width) * size_t(from.height), n = size_t(from.channels);
+    out.image.pixels.resize(texels * 3 * sizeof(float));
+    const auto value = [&](size_t i) {
+        if (from.type == PixelType::u8) return srgbToLinear(float(std::to_integer<uint8_t>(from.pixels[i])) / 255);
+        if (from.type == PixelType::u16) {
+            uint16_t v;
+            std::memcpy(&v, &from.pixels[2 * i], 2);
+            return srgbToLinear(float(v) / 65535);
+        }
+        float v;
+        std::memcpy(&v, &from.pixels[4 * i], 4);
+        return v;
+    };
+    size_t bad = 0;
+    for (size_t i = 0; i < texels; ++i) {
+        float rgb[3];
+        bool sound = true;
+        for (size_t c = 0; c < 3; ++c) {
+            rgb[c] = value(i * n + (n >= 3 ? c : 0));
+            sound = sound && std::isfinite(rgb[c]) && rgb[c] >= 0;
+        }
+        for (size_t c = 0; c < 3 && !sound; ++c)
+            if (!std::isfinite(rgb[c]) || rgb[c] < 0) rgb[c] = 0;
+        bad += !sound;
+        std::memcpy(&out.image.pixels[i * sizeof rgb], rgb, sizeof rgb);
+    }
+    if (bad) notes.warn(fmt::format("{}: {} texels are negative or not finite; those channels became 0.", file.string(), bad));
+    return out;
+}
+
+} // namespace chiaro

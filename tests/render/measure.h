@@ -1,0 +1,70 @@
+// Measuring with a camera: radiance at one point from one side, with the error that the film itself estimates.
+#pragma once
+#include "tests/scene_kit.h"
+#include <cmath>
+#include <doctest/doctest.h>
+#include <string>
+
+namespace chiaro::test {
+
+inline constexpr float huge = 1000; // metres: "infinite" beside scenes of one metre
+
+// Looks at `target` along `direction` from `distance` before it, through a window of half extent `half`: every pixel sees the same.
+inline CameraDesc probe(const Vec3d& target, const Vec3d& direction, double distance = 1e-2, double half = 1e-4) {
+    CameraDesc c;
+    c.name = "probe";
+    c.projection = Projection::orthographic;
+    c.xmag = c.ymag = half;
+    const Vec3d d = normalize(direction), up = std::fabs(d.y) < 0.9 ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0};
+    c.toWorld = shapes::lookAt(target - d * distance, target, up);
+    return c;
+}
+inline CameraDesc perspective(const Vec3d& eye, const Vec3d& target, double yfov) {
+    CameraDesc c;
+    c.yfov = yfov;
+    c.toWorld = shapes::lookAt(eye, target, std::fabs(normalize(target - eye).y) < 0.9 ? Vec3d{0, 1, 0} : Vec3d{0, 0, 1});
+    return c;
+}
+
+// A square in the plane through `centre` with the given front normal.
+inline PrimitiveDesc plate(const Vec3d& centre, const Vec3d& normal, double half) {
+    const auto f = FrameT<double>::about(normalize(normal));
+    return shapes::quad(centre - f.x * half - f.y * half, centre + f.x * half - f.y * half, centre + f.x * half + f.y * half,
+                        centre - f.x * half + f.y * half);
+}
+
+struct Measured {
+    double value = 0, error = 0; // mean of the replicates, and its standard error
+};
+inline constexpr int replicates = 16;
+inline constexpr double criticalT = 6.91; // of 15 degrees of freedom, two-sided p = 5e-6
+
+// Mean luminance over the picture, from independent replicates (other seeds) that share the samples of s.spp: under a scrambled sequence
+// only they tell the error truly.
+inline Measured measure(const Scene& scene, const CameraDesc& camera, const Settings& s, const std::string& integrator = "path") {
+    CameraDesc local = camera;
+    const Vec3d c = scene.centre();
+    for (int i = 0; i < 3; ++i) local.toWorld.m[i][3] -= i == 0 ? c.x : i == 1 ? c.y : c.z;
+    Settings one = s;
+    one.spp = std::max(1u, s.spp / replicates);
+    double sum = 0, squares = 0;
+    for (int r = 0; r < replicates; ++r) {
+        one.seed = s.seed * 1000 + uint64_t(r);
+        const Rendering rendering = rendered(scene, local, one, integrator);
+        CHECK(rendering.film->dropped() == 0);
+        const double m = rendering.film->meanLuminance().value;
+        sum += m;
+        squares += m * m;
+    }
+    const double mean = sum / replicates, variance = std::max(0.0, squares / replicates - mean * mean) * replicates / (replicates - 1);
+    return {mean, std::sqrt(variance / replicates)};
+}
+// Equal to an exact number by a one-sample t-test; and the test must be able to see a relative bias of `resolution`.
+// floor: of the arithmetic (float radiance, tessellation), relative.
+inline void checkEqual(const Measured& m, double expected, double resolution, double floor = 2e-5) {
+    INFO("measured " << m.value << " +- " << m.error << ", expected " << expected);
+    CHECK(std::fabs(m.value - expected) <= criticalT * m.error + floor * std::fabs(expected));
+    CHECK(criticalT * m.error + floor * std::fabs(expected) <= resolution * std::max(std::fabs(expected), 1e-3));
+}
+
+} // namespace chiaro::test

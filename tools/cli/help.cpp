@@ -1,0 +1,134 @@
+// chiaro help [COMMAND|TOPIC], and what --help prints: made from the tables.
+#include "scenes/builtin.h"
+#include "tools/cli/command.h"
+#include "tools/cli/version.h"
+#include <algorithm>
+#include <array>
+#include <fmt/format.h>
+
+namespace chiaro::cli {
+namespace {
+
+struct Topic {
+    std::string_view name, text;
+};
+constexpr auto topics = std::to_array<Topic>({
+    {"units", R"(Units
+  Lengths are metres, angles on the command line degrees, times seconds.
+  Light is photometric: point and spot lights in candela, directional lights in lux, emissive surfaces and environments in cd/m2 (nit).
+  A value of 1.0 in an EXR is 1 cd/m2 a channel, linear Rec.709. Exposure (x 2^EV) is applied to the PNG alone.
+  Planar depth (layer Z) is in metres along the viewing axis, inf where nothing is.
+  A depth of a path counts scatterings: 0 emission seen directly, 1 direct light, 2 one indirect bounce.
+)"},
+    {"paths", R"(Light paths
+  Written from the light to the eye, in Heckbert's notation (1990):
+    L   any light; La area, Ld point, spot or directional, Le environment
+    D   diffuse, G glossy (rough), S specular (mirror, smooth glass); suffix R reflected, T transmitted: DR, ST ...
+    E   the eye
+    .   any event;  ? * + | ( )  as in regular expressions
+  Examples
+    L D E       direct diffuse light
+    L S+ D E    caustics
+    L D D+ E    colour bleeding
+  `chiaro integrators` says which paths each integrator covers, and which it cannot find.
+)"},
+    {"exit-codes", R"(Exit codes
+  0    done, also when a budget ended the render
+  1    warnings, under --strict
+  2    a check failed
+  3    not supported, or not comparable (a required extension, picture sizes)
+  4    a file: missing, unreadable, malformed or unwritable
+  5    stopped early by Ctrl-C or SIGTERM; a usable result was written
+  6    memory or disk
+  64   usage: unknown command, option or value
+  70   internal error
+  130  second Ctrl-C; nothing was written
+)"},
+});
+
+std::string wrapped(std::string_view text, std::size_t indent, std::size_t width) {
+    std::string out, line;
+    while (!text.empty()) {
+        const std::size_t end = text.find(' ');
+        const std::string_view word = text.substr(0, end);
+        if (!line.empty() && indent + line.size() + 1 + word.size() > width) {
+            out += line + "\n" + std::string(indent, ' ');
+            line.clear();
+        }
+        if (!line.empty()) line += ' ';
+        line += word;
+        text = end == std::string_view::npos ? std::string_view() : text.substr(end + 1);
+    }
+    return out + line;
+}
+
+std::string optionHelp(const OptionRow& o) {
+    std::string left = o.letter ? fmt::format("  -{}, --{}", o.letter, o.name) : fmt::format("      --{}", o.name);
+    if (!o.metavar.empty()) left += fmt::format(" {}", o.metavar);
+    std::string help(o.help);
+    if (!o.standard.empty()) help += fmt::format(" (default {})", o.standard);
+    constexpr std::size_t column = 36, width = 110;
+    if (left.size() + 2 > column)
+        left += "\n" + std::string(column, ' ');
+    else
+        left.resize(column, ' ');
+    return left + wrapped(help, column, width) + "\n";
+}
+
+std::string sceneTopic() {
+    std::string text = "\nScenes\n  SCENE is file.gltf, file.glb or a scene inside the program:\n";
+    for (const BuiltinScene& s : builtinScenes()) text += fmt::format("    {:<18} {}\n", s.name, s.summary);
+    return text + "  A scene without a camera is framed automatically, one without light is lit by a neutral studio; both are announced.\n"
+                  "  `chiaro info SCENE` tells what is in it and what Chiaro will use, approximate or ignore.\n";
+}
+
+} // namespace
+
+std::string overview() {
+    std::string text = fmt::format("chiaro {}: physically based light transport for glTF scenes\n\n", version);
+    for (const Command& c : commands()) text += fmt::format("  chiaro {:<30} {}\n", fmt::format("{} {}", c.name, c.operands), c.summary);
+    text += fmt::format("  chiaro {:<30} {}\n\n", "--version", "the version alone");
+    return text + "A SCENE is file.gltf, file.glb or a built-in one (chiaro scenes). To begin:  chiaro render @cornell\n";
+}
+
+std::string commandHelp(const Command& command) {
+    std::string text =
+        fmt::format("chiaro {} {}{}\n  {}\n", command.name, command.operands, command.options.empty() ? "" : " [options]", command.summary);
+    std::vector<std::string_view> groups;
+    for (const OptionRow& o : command.options)
+        if (std::find(groups.begin(), groups.end(), o.group) == groups.end()) groups.push_back(o.group);
+    for (std::string_view group : groups) {
+        text += fmt::format("\n{}\n", group);
+        for (const OptionRow& o : command.options)
+            if (o.group == group) text += optionHelp(o);
+    }
+    return text;
+}
+
+int runHelp(const Arguments& arguments) {
+    if (arguments.operands.empty()) {
+        fmt::print("{}", overview());
+        return 0;
+    }
+    const std::string& name = arguments.operands[0];
+    std::vector<std::string> names;
+    for (const Command& c : commands()) {
+        if (c.name == name) {
+            fmt::print("{}{}", commandHelp(c), name == "scenes" ? sceneTopic() : ""); // a topic of the same name
+            return 0;
+        }
+        names.emplace_back(c.name);
+    }
+    for (const Topic& t : topics) {
+        if (t.name == name) {
+            fmt::print("{}", t.text);
+            return 0;
+        }
+        names.emplace_back(t.name);
+    }
+    const std::string near = nearest(name, names);
+    throw Error(Exit::usage, fmt::format("no help on \"{}\"{}; topics: units, paths, exit-codes, scenes", name,
+                                         near.empty() ? "" : fmt::format("; did you mean {}?", near)));
+}
+
+} // namespace chiaro::cli

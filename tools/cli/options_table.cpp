@@ -1,0 +1,146 @@
+// The options of each subcommand: the one place where they are described.
+#include "tools/cli/command.h"
+#include <array>
+
+namespace chiaro::cli {
+namespace {
+
+constexpr const char *method = "Method", *budget = "Budget", *output = "Output", *frame = "Picture", *sampling = "Sampling",
+                     *scene = "Scene", *display = "Display (PNG only; the EXR never changes)", *general = "General";
+
+constexpr OptionRow envRow{
+    .name = "env",
+    .metavar = "FILE|studio|white|none",
+    .help = "environment light instead of the scene's: a lat-long EXR or HDR, a neutral studio, a white sky, or darkness",
+    .group = scene,
+    .sample = true};
+constexpr OptionRow envRotateRow{.name = "env-rotate",
+                                 .metavar = "DEG",
+                                 .help = "turn the environment about +Y, counter-clockwise seen from above",
+                                 .standard = "0",
+                                 .group = scene,
+                                 .sample = true};
+constexpr OptionRow envScaleRow{
+    .name = "env-scale", .metavar = "F", .help = "multiply the environment's radiance", .standard = "1", .group = scene, .sample = true};
+constexpr OptionRow missingTextureRow{.name = "missing-texture",
+                                      .metavar = "grey|error",
+                                      .help = "what to do where a texture file is absent",
+                                      .standard = "error",
+                                      .group = scene,
+                                      .sample = true};
+constexpr OptionRow isaRow{.name = "isa",
+                           .metavar = "NAME",
+                           .help = "Embree's instruction set: sse2, sse4.2, avx, avx2 or avx512; default: the machine's best",
+                           .group = sampling,
+                           .sample = true};
+constexpr OptionRow strictRow{.name = "strict", .help = "warnings make the exit code 1", .group = general};
+constexpr OptionRow jsonRow{.name = "json", .help = "results as JSON on stdout", .group = general};
+
+constexpr auto renderTable = std::to_array<OptionRow>({
+    {.name = "integrator",
+     .letter = 'i',
+     .metavar = "NAME[:key=value,...]",
+     .help = "the algorithm; `chiaro integrators` lists them with their options",
+     .standard = "path",
+     .group = method,
+     .sample = true},
+    {.name = "max-depth",
+     .metavar = "N",
+     .help = "most scatterings: 0 emission, 1 direct light, 2 one indirect bounce; default: no limit",
+     .group = method,
+     .sample = true},
+    {.name = "rr-depth",
+     .metavar = "N",
+     .help = "scatterings before Russian roulette may end a path; default: the integrator's",
+     .group = method,
+     .sample = true},
+    {.name = "spp", .metavar = "N", .help = "samples a pixel, at most; 2k, 1M are understood", .standard = "256", .group = budget},
+    {.name = "time", .metavar = "D", .help = "stop after this time: 30s, 5m, 2h; the first limit reached ends the render", .group = budget},
+    {.name = "output",
+     .letter = 'o',
+     .metavar = "FILE",
+     .help = "FILE.exr (float32, linear Rec.709, layers) or FILE.png; repeatable; {scene} {integrator} {spp} expand; default: {scene}.exr "
+             "and {scene}.png here",
+     .group = output,
+     .repeatable = true},
+    {.name = "size",
+     .metavar = "WxH",
+     .help = "pixels; default: 1280 wide by the camera's aspect (16:9 without); built-in scenes have their own",
+     .group = frame,
+     .sample = true},
+    {.name = "crop", .metavar = "WxH+X+Y", .help = "render only this window of the picture", .group = frame},
+    {.name = "pixel", .metavar = "X,Y", .help = "replay one sample of this pixel, print its R G B and write no file", .group = frame},
+    {.name = "sample", .metavar = "N", .help = "which sample --pixel replays", .standard = "0", .group = frame},
+    {.name = "sampler",
+     .metavar = "sobol|independent",
+     .help = "Owen-scrambled Sobol' points, or independent random numbers",
+     .standard = "sobol",
+     .group = sampling,
+     .sample = true},
+    {.name = "filter",
+     .metavar = "box|gauss|blackman-harris",
+     .help = "pixel reconstruction filter",
+     .standard = "blackman-harris",
+     .group = sampling,
+     .sample = true},
+    {.name = "seed",
+     .metavar = "N",
+     .help = "another seed, another independent render",
+     .standard = "0",
+     .group = sampling,
+     .sample = true},
+    {.name = "threads", .letter = 't', .metavar = "N", .help = "default: all cores; the picture does not depend on it", .group = sampling},
+    isaRow,
+    {.name = "camera",
+     .letter = 'c',
+     .metavar = "NAME|N|auto",
+     .help = "camera by name or number (from 0); auto frames the whole scene; default: the first",
+     .group = scene,
+     .sample = true},
+    envRow,
+    envRotateRow,
+    envScaleRow,
+    missingTextureRow,
+    {.name = "exposure",
+     .metavar = "EV|auto",
+     .help = "x 2^EV; auto brings the log-average to 0.18 with the 99.5 % quantile kept below clipping",
+     .standard = "auto",
+     .group = display},
+    {.name = "view",
+     .metavar = "NAME",
+     .help = "view of the OpenColorIO configuration; default: sRGB without tone mapping (\"Standard\")",
+     .group = display},
+    {.name = "ocio", .metavar = "CONFIG", .help = "another OpenColorIO configuration; $OCIO is taken too", .group = display},
+    {.name = "config",
+     .metavar = "FILE.json",
+     .help = "options from a JSON object, e.g. {\"spp\": 64}; the command line wins",
+     .group = general},
+    strictRow,
+    jsonRow,
+    {.name = "progress",
+     .metavar = "auto|bar|lines|json|none",
+     .help = "how to show progress on stderr; auto: a bar on a terminal, a line every 10 s elsewhere",
+     .standard = "auto",
+     .group = general},
+    {.name = "quiet", .letter = 'q', .help = "only warnings and errors", .group = general},
+    {.name = "verbose", .letter = 'v', .help = "more about what is used", .group = general},
+});
+
+constexpr auto infoTable = std::to_array<OptionRow>({envRow, envRotateRow, envScaleRow, missingTextureRow, isaRow, strictRow, jsonRow});
+constexpr auto jsonTable = std::to_array<OptionRow>({jsonRow});
+constexpr std::span<const OptionRow> noOptions;
+
+constexpr auto table = std::to_array<Command>({
+    {"render", "SCENE", "one integrator, EXR + PNG", renderTable, runRender, 1, 1},
+    {"info", "SCENE|IMAGE", "what is in it, what Chiaro will use, approximate, ignore, add", infoTable, runInfo, 1, 1},
+    {"scenes", "", "the scenes inside the program", jsonTable, runScenes, 0, 0},
+    {"integrators", "[NAME]", "the algorithms, their options and the light paths they cover", jsonTable, runIntegrators, 0, 1},
+    {"doctor", "", "checks this installation: libraries, memory, disk, a self-test render", jsonTable, runDoctor, 0, 0},
+    {"help", "[COMMAND|TOPIC]", "this overview, a command, or a topic: units, paths, exit-codes, scenes", noOptions, runHelp, 0, 1},
+});
+
+} // namespace
+
+std::span<const Command> commands() { return table; }
+
+} // namespace chiaro::cli

@@ -1,0 +1,45 @@
+#include "tools/cli/recipe.h"
+#include "tools/cli/version.h"
+#include <fmt/format.h>
+
+namespace chiaro::cli {
+
+Metadata recipe(const RenderSettings& s, const LoadedScene& loaded, const View& view, const DisplayTransform& display, const Film& film,
+                const Rendered& rendered) {
+    const auto text = [](auto number) { return fmt::format("{}", number); };
+    Metadata m;
+    m.emplace_back("chiaro:command", s.arguments->line);
+    m.emplace_back("chiaro:version", std::string(version));
+    m.emplace_back("chiaro:commit", std::string(commit));
+    m.emplace_back("chiaro:scene", s.scene.operand);
+    m.emplace_back("chiaro:sceneHash", fmt::format("{:016x}", loaded.scene->hash()));
+    m.emplace_back("chiaro:camera", rendered.camera);
+    m.emplace_back("chiaro:environment", loaded.environment);
+    m.emplace_back("chiaro:integrator", integratorRecipe(s.integrator));
+    m.emplace_back("chiaro:maxDepth", s.maxDepth == unlimitedDepth ? std::string("unlimited") : text(s.maxDepth));
+    m.emplace_back("chiaro:size", fmt::format("{}x{}", view.width, view.height));
+    m.emplace_back("chiaro:seed", text(s.seed));
+    m.emplace_back("chiaro:spp", text(rendered.result.spp));
+    m.emplace_back("chiaro:sampler", samplerName(s.sampler));
+    m.emplace_back("chiaro:filter", filterName(s.filter));
+    m.emplace_back("chiaro:isa", loaded.scene->isa());
+    m.emplace_back("chiaro:dropped", text(film.dropped()));
+    m.emplace_back("chiaro:unit", std::string("1.0 = 1 cd/m2"));
+    m.emplace_back("chiaro:exposure", rendered.exposure);
+    m.emplace_back("chiaro:display", display.display());
+    m.emplace_back("chiaro:view", display.view());
+    m.emplace_back("chiaro:ocio", display.source());
+    m.emplace_back("chiaro:seconds", rendered.result.seconds);
+    return m;
+}
+
+std::string replayCommand(const RenderSettings& s, const DroppedSample& d) {
+    std::string line = "chiaro render " + shellQuoted(s.scene.operand);
+    for (const OptionRow& o : s.arguments->command->options)
+        if (o.sample && o.name != "seed" && s.arguments->given(o.name))
+            line += fmt::format(" {}{} {}", o.letter ? "-" : "--", o.letter ? std::string(1, o.letter) : std::string(o.name),
+                                shellQuoted(s.arguments->text(o.name)));
+    return line + fmt::format(" --pixel {},{} --sample {} --seed {}", d.pixel.x, d.pixel.y, d.sample, s.seed);
+}
+
+} // namespace chiaro::cli

@@ -1,0 +1,22 @@
+// The recipe of a picture: everything needed to make it again, as attributes of its files; and the command that replays one sample.
+#pragma once
+#include "io/color.h"
+#include "io/picture.h"
+#include "tools/cli/settings.h"
+
+namespace chiaro::cli {
+
+struct Rendered {
+    RenderResult result;
+    double noise = 0;
+    Film::Mean mean;
+    double exposure = 0;
+    bool automaticExposure = false;
+    std::string camera;
+};
+// seconds: whether the time is told; without it equal renders have equal recipes.
+Metadata recipe(const RenderSettings&, const LoadedScene&, const View&, const DisplayTransform&, const Film&, const Rendered&);
+
+std::string replayCommand(const RenderSettings&, const DroppedSample&);
+
+} // namespace chiaro::cli

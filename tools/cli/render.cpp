@@ -1,0 +1,138 @@
+// chiaro render: one integrator, one picture.
+#include "core/render/depth.h"
+#include "io/replace_file.h"
+#include "tools/cli/recipe.h"
+#include "tools/cli/replay.h"
+#include "tools/cli/report.h"
+#include "tools/cli/signals.h"
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace chiaro::cli {
+namespace {
+
+// A film that would not fit is refused before anything is allocated, with a size that would.
+void checkMemory(const FilmLayout& layout) {
+    const double physical = double(physicalBytes()), needed = double(layout.bytes());
+    constexpr double share = 0.8; // the rest is for the scene and the system
+    if (physical == 0 || needed <= share * physical) return;
+    const double scale = std::sqrt(share * physical / needed) * 0.9;
+    throw Error(Exit::resources,
+                fmt::format("a picture of {}x{} needs about {}, this machine has {}. Try --size {}x{}, or parts with --crop.",
+                            layout.crop.width(), layout.crop.height(), memorySize(needed), memorySize(physical),
+                            std::max(1, int(layout.width * scale)), std::max(1, int(layout.height * scale))));
+}
+
+std::vector<float> interleavedBeauty(const Picture& picture) {
+    std::vector<float> rgb(picture.window.area() * 3);
+    for (std::size_t c = 0; c < 3; ++c)
+        for (std::size_t i = 0; i < picture.planes[c].size(); ++i) rgb[i * 3 + c] = picture.planes[c][i];
+    return rgb;
+}
+
+bool anySample(const Film& film) {
+    const Rect& r = film.layout().crop;
+    for (uint32_t y = r.y0; y < r.y1; ++y)
+        for (uint32_t x = r.x0; x < r.x1; ++x)
+            if (film.count({x, y}) > 0) return true;
+    return false;
+}
+
+// Film -> files. Returns what was written.
+std::vector<std::filesystem::path> writeOutputs(const RenderSettings& s, const LoadedScene& loaded, const View& view,
+                                                const DisplayTransform& display, const Film& film, const Centres& centres,
+                                                Rendered& rendered) {
+    Picture picture = pictureOf(film, centres.depth);
+    const std::vector<float> rgb = interleavedBeauty(picture);
+    rendered.automaticExposure = !s.exposure;
+    rendered.exposure = s.exposure ? *s.exposure : autoExposure(rgb, centres.lamp);
+    picture.metadata = recipe(s, loaded, view, display, film, rendered);
+    const std::vector<std::filesystem::path> files = outputFiles(s, rendered.result.spp);
+    for (const std::filesystem::path& file : files) {
+        if (isExr(file))
+            writeExr(file, picture);
+        else
+            writePng(file, picture.window.width(), picture.window.height(), display.bytes(rgb, rendered.exposure), picture.metadata,
+                     display.srgb());
+    }
+    return files;
+}
+
+void warnDropped(const RenderSettings& s, const Job& job, const Film& film) {
+    const std::vector<DroppedSample> dropped = film.droppedSamples();
+    if (dropped.empty()) return;
+    const DroppedSample& first = dropped.front();
+    const PathStart start = startPixel(job, first.pixel, first.sample);
+    std::string material;
+    if (start.first) material = job.scene.material(job.scene.point(start.first, start.ray).material).name;
+    job.notes.warn(fmt::format("{} non-finite samples dropped{}. Reproduce: {}", film.dropped(),
+                               material.empty() ? "" : fmt::format(" (material \"{}\")", material), replayCommand(s, first)));
+}
+
+int exitCode(const RenderSettings& s, const RenderResult& result, const Diagnostics& notes) {
+    if (result.ended == Ended::stopped) return int(Exit::stopped);
+    return s.strict && !notes.warnings().empty() ? int(Exit::warning) : int(Exit::done);
+}
+
+// Scene, view and options are known: renders, writes, tells.
+int renderFilm(const RenderSettings& s, const LoadedScene& loaded, const View& view, const std::string& camera,
+               const DisplayTransform& display, const Executor& run, Diagnostics& notes, Console& console) {
+    const FilmLayout layout{.width = view.width,
+                            .height = view.height,
+                            .crop = view.crop,
+                            .layers = {},
+                            .splats = s.integrator.entry->traits(s.integrator.options).splats};
+    checkMemory(layout);
+    Film film(layout);
+    StopToken stop;
+    const StopOnSignal signals(stop);
+    ProgressBar progress(s.progress, s.quiet, s.budget.seconds);
+    const PathClasses classes(s.maxDepth);
+    const Job job{{*loaded.scene, classes, view.shutter, s.seed, s.sampler, run, stop, progress, notes}, view};
+    const auto integrator = s.integrator.entry->make(s.integrator.options);
+
+    Rendered rendered{.result = render(job, *integrator, film, s.budget, stop), .mean = {}, .camera = camera};
+    progress.clear();
+    if (rendered.result.ended == Ended::stopped && !anySample(film)) {
+        console.line("stopped before the first sample was done; nothing written");
+        return int(Exit::killed);
+    }
+    rendered.noise = film.noise();
+    rendered.mean = film.meanLuminance();
+    warnDropped(s, job, film);
+    const std::vector<std::filesystem::path> files = writeOutputs(s, loaded, view, display, film, seenAtCentres(job), rendered);
+    console.warnings(notes);
+    const int code = exitCode(s, rendered.result, notes);
+    tellDone(s, display, film, rendered, files, console);
+    if (s.json) printSummary(s, loaded, view, display, film, rendered, files, notes, code);
+    return code;
+}
+
+} // namespace
+
+int runRender(const Arguments& arguments) {
+    const RenderSettings s = readSettings(arguments);
+    Console console(s.quiet);
+    Diagnostics notes;
+    const DisplayTransform display(s.ocio, s.view);
+    if (!display.note().empty()) notes.warn(display.note());
+    const Executor run(s.threads);
+    const bool replay = !s.pixel.empty();
+    if (!replay)
+        for (const std::filesystem::path& file : outputFiles(s, s.budget.spp)) checkWritable(file);
+
+    tellHeader(s, run, console);
+    const LoadedScene loaded = loadScene(s.scene, notes);
+    CameraDesc camera;
+    bool automatic = false;
+    const View view = makeView(s, loaded, camera, automatic);
+    const std::string cameraName = automatic ? "auto" : camera.name;
+    tellScene(s, loaded, cameraName, console);
+    console.warnings(notes);
+    if (replay) return replaySample(s, loaded, view, run, notes, console);
+    tellIntegrator(s, view, console);
+    return renderFilm(s, loaded, view, cameraName, display, run, notes, console);
+}
+
+} // namespace chiaro::cli

@@ -1,0 +1,140 @@
+#include "tools/cli/report.h"
+#include "tools/cli/version.h"
+#include <cmath>
+#include <embree3/rtcore_config.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+namespace chiaro::cli {
+namespace {
+
+std::string counted(uint64_t n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
+
+std::string lightsText(const SceneCounts& c, const LoadedScene& loaded) {
+    std::string text;
+    if (c.emissiveMeshes) text += ", " + counted(c.emissiveMeshes, "emissive mesh", "emissive meshes");
+    if (c.punctualLights) text += ", " + counted(c.punctualLights, "punctual light", "punctual lights");
+    if (loaded.environment != "none") text += ", environment " + loaded.environment;
+    return text;
+}
+
+std::string trianglesText(const SceneCounts& c) {
+    std::string text = counted(c.triangles, "triangle", "triangles");
+    if (c.trianglesDrawn != c.triangles)
+        text += fmt::format(" ({} drawn, {})", c.trianglesDrawn, counted(c.instances, "instance", "instances"));
+    return text;
+}
+
+std::string percentText(double fraction) { return std::isfinite(fraction) ? fmt::format("{:.2g} %", fraction * 100) : "unknown"; }
+
+double relativeMeanError(const Rendered& r) { return r.mean.value > 0 ? 1.96 * r.mean.error / r.mean.value : NAN; } // 95 %, normal
+
+nlohmann::ordered_json finiteOrNull(double v) { return std::isfinite(v) ? nlohmann::ordered_json(v) : nlohmann::ordered_json(nullptr); }
+
+std::string joined(std::span<const std::filesystem::path> files) {
+    std::vector<std::string> names;
+    for (const auto& f : files) names.push_back(f.string());
+    return fmt::format("{}", fmt::join(names, ", "));
+}
+
+} // namespace
+
+std::string embreeVersion() { return RTC_VERSION_STRING; }
+
+std::string bestIsa() {
+    Diagnostics ignored;
+    return Scene::compile({}, ignored)->isa();
+}
+
+void tellHeader(const RenderSettings& s, const Executor& run, const Console& console) {
+    if (console.quiet()) return;
+    console.line(fmt::format("chiaro {}  {}  embree {} {}  {}", version, buildType, embreeVersion(),
+                             s.scene.isa.empty() ? bestIsa() : s.scene.isa, counted(run.threads(), "thread", "threads")));
+}
+
+void tellScene(const RenderSettings& s, const LoadedScene& loaded, const std::string& camera, const Console& console) {
+    const SceneCounts& c = loaded.scene->counts();
+    const std::string text = fmt::format("{}   {}{}, camera {}", s.scene.operand, trianglesText(c), lightsText(c, loaded),
+                                         camera == "auto" ? "automatic" : fmt::format("\"{}\"", camera));
+    console.phase("scene", fmt::format("{:<62} {}", text, duration(loaded.seconds)));
+    if (camera == "auto" && s.camera.empty())
+        console.phase("added", "no camera in the scene: one that frames it all      keep it with: --camera auto");
+    for (const std::string& line : loaded.added) console.phase("added", line);
+    if (s.verbose)
+        console.phase("", fmt::format("radius {:.4g} m, textures {}, light {:.4g} lm, hash {:016x}", loaded.scene->radius(),
+                                      memorySize(double(c.textureBytes)), loaded.scene->lights().power(), loaded.scene->hash()));
+}
+
+void tellIntegrator(const RenderSettings& s, const View& view, const Console& console) {
+    std::string budget = s.budget.spp < 1u << 31 ? fmt::format("{} spp", s.budget.spp) : "";
+    if (std::isfinite(s.budget.seconds)) budget += fmt::format("{}{}", budget.empty() ? "" : " or ", duration(s.budget.seconds));
+    std::string depth;
+    if (s.integrator.entry->traits(s.integrator.options).lightTransport) {
+        depth = s.maxDepth == unlimitedDepth ? ", depth unlimited" : fmt::format(", depth {}", s.maxDepth);
+        for (const OptionSpec& o : s.integrator.entry->options)
+            if (o.name == "rr-depth") depth += fmt::format(" (roulette from {})", s.integrator.options.text("rr-depth"));
+    }
+    console.phase(s.integrator.entry->name, fmt::format("{}{}, seed {}", budget, depth, s.seed));
+    if (s.verbose)
+        console.phase("", fmt::format("{}x{}, crop {}x{}+{}+{}, {} sampler, {} filter, {}", view.width, view.height, view.crop.width(),
+                                      view.crop.height(), view.crop.x0, view.crop.y0, samplerName(s.sampler), filterName(s.filter),
+                                      integratorRecipe(s.integrator)));
+}
+
+void tellDone(const RenderSettings& s, const DisplayTransform& display, const Film& film, const Rendered& r,
+              std::span<const std::filesystem::path> files, const Console& console) {
+    const bool stopped = r.result.ended == Ended::stopped;
+    if (stopped) console.line(fmt::format("stopped at {}/{} spp; wrote {}", r.result.spp, s.budget.spp, joined(files)));
+    console.phase("done", fmt::format("{} spp in {}   noise {}   mean +-{} (95 %)   {} non-finite", r.result.spp,
+                                      duration(r.result.seconds), percentText(r.noise), percentText(relativeMeanError(r)), film.dropped()));
+    const std::string exposure = fmt::format(fmt::runtime(r.automaticExposure ? "{:.1f}" : "{:g}"), r.exposure);
+    const std::string keep = r.automaticExposure ? fmt::format("      keep it with: --exposure {:.1f}", r.exposure) : "";
+    for (const std::filesystem::path& file : files) {
+        if (isExr(file))
+            console.phase("wrote", fmt::format("{}  linear Rec.709 float32, 1.0 = 1 cd/m2", file.string()));
+        else
+            console.phase("wrote", fmt::format("{}  {}{}, exposure {}{}{}", file.string(), display.display(),
+                                               display.view() == "Standard" ? "" : " " + display.view(), exposure,
+                                               r.automaticExposure ? " (auto)" : "", keep));
+    }
+    if (!stopped && r.noise > 0.01 && r.result.spp < 1u << 20)
+        console.phase(
+            "next", fmt::format("half the noise: chiaro render {} --spp {}", shellQuoted(s.scene.operand), 4 * std::max(1u, r.result.spp)));
+}
+
+void printSummary(const RenderSettings& s, const LoadedScene& loaded, const View& view, const DisplayTransform& display, const Film& film,
+                  const Rendered& r, std::span<const std::filesystem::path> files, const Diagnostics& notes, int code) {
+    const char* ended = r.result.ended == Ended::spp ? "spp" : r.result.ended == Ended::time ? "time" : "stopped";
+    std::vector<std::string> names;
+    for (const auto& f : files) names.push_back(f.string());
+    const nlohmann::ordered_json summary{
+        {"version", version},
+        {"commit", commit},
+        {"scene", s.scene.operand},
+        {"sceneHash", fmt::format("{:016x}", loaded.scene->hash())},
+        {"camera", r.camera},
+        {"environment", loaded.environment},
+        {"integrator", integratorRecipe(s.integrator)},
+        {"size", {view.width, view.height}},
+        {"crop", {view.crop.x0, view.crop.y0, view.crop.width(), view.crop.height()}},
+        {"seed", s.seed},
+        {"spp", r.result.spp},
+        {"seconds", r.result.seconds},
+        {"ended", ended},
+        {"noise", finiteOrNull(r.noise)},
+        {"mean", finiteOrNull(r.mean.value)},
+        {"meanError", finiteOrNull(r.mean.error)},
+        {"dropped", film.dropped()},
+        {"isa", loaded.scene->isa()},
+        {"exposure", r.exposure},
+        {"display", display.display()},
+        {"view", display.view()},
+        {"files", names},
+        {"warnings", notes.warnings()},
+        {"exit", code},
+    };
+    fmt::print("{}\n", summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+}
+
+} // namespace chiaro::cli

@@ -1,0 +1,122 @@
+#include "tools/cli/scene_source.h"
+#include "core/scene/camera.h"
+#include "io/gltf.h"
+#include "io/image_read.h"
+#include "scenes/builtin.h"
+#include "tools/cli/command.h"
+#include <charconv>
+#include <chrono>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <numbers>
+
+namespace chiaro::cli {
+namespace {
+
+const BuiltinScene& builtinNamed(const std::string& name) {
+    if (const BuiltinScene* found = findBuiltin(name)) return *found;
+    std::vector<std::string> names;
+    for (const BuiltinScene& s : builtinScenes()) names.emplace_back(s.name);
+    const std::string near = nearest(name, names);
+    throw Error(Exit::usage, fmt::format("no scene \"{}\" in the program; have {}{}", name, fmt::join(names, ", "),
+                                         near.empty() ? "" : fmt::format("; did you mean {}?", near)));
+}
+
+bool emits(const SceneDesc& scene) {
+    for (const InstanceDesc& instance : scene.instances) {
+        if (instance.mesh < 0) continue;
+        for (const PrimitiveDesc& p : scene.meshes[std::size_t(instance.mesh)].primitives)
+            if (p.material >= 0 && !black(scene.materials[std::size_t(p.material)].emission)) return true;
+    }
+    return false;
+}
+
+EnvironmentDesc environmentNamed(const std::string& name, Diagnostics& notes) {
+    if (name == "studio") return studioEnvironment();
+    if (name == "white") return whiteEnvironment();
+    return readEnvironment(name, notes);
+}
+
+void lightScene(SceneDesc& desc, const SceneRequest& request, LoadedScene& loaded, Diagnostics& notes) {
+    loaded.environment = desc.environment ? "of the scene" : "none";
+    if (request.env == "none") {
+        desc.environment.reset();
+        loaded.environment = "none";
+        if (desc.lights.empty() && !emits(desc))
+            notes.warn(
+                "no light and --env none: the picture will be black. Add --env studio, or a KHR_lights_punctual or emissive material.");
+    } else if (!request.env.empty()) {
+        desc.environment = environmentNamed(request.env, notes);
+        loaded.environment = request.env;
+    } else if (desc.lights.empty() && !desc.environment && !emits(desc)) {
+        desc.environment = studioEnvironment();
+        loaded.environment = "studio";
+        loaded.added.push_back("no light in the scene: lit by a neutral studio      keep it with: --env studio");
+    }
+    if (desc.environment) {
+        desc.environment->rotate += request.envRotate;
+        desc.environment->scale *= request.envScale;
+    } else if (request.envRotate != 0 || request.envScale != 1)
+        notes.warn("--env-rotate and --env-scale have no effect: there is no environment. Add --env FILE, studio or white.");
+}
+
+} // namespace
+
+std::string SceneRequest::stem() const {
+    return operand.starts_with('@') ? operand.substr(1) : std::filesystem::path(operand).stem().string();
+}
+
+SceneRequest readSceneRequest(const Arguments& arguments) {
+    SceneRequest request;
+    request.operand = arguments.operands.at(0);
+    if (request.operand.starts_with('@')) builtinNamed(request.operand);
+    request.env = arguments.text("env");
+    request.envRotate = float(parseReal("env-rotate", arguments.text("env-rotate"), -36000, 36000) * std::numbers::pi / 180);
+    request.envScale = float(parseReal("env-scale", arguments.text("env-scale"), 0, 1e12));
+    request.greyTextures = parseChoice("missing-texture", arguments.text("missing-texture"), {"error", "grey"}) == 1;
+    if (arguments.given("isa")) {
+        request.isa = arguments.text("isa");
+        parseChoice("isa", request.isa, {"sse2", "sse4.2", "avx", "avx2", "avx512"});
+    }
+    return request;
+}
+
+LoadedScene loadScene(const SceneRequest& request, Diagnostics& notes, const std::function<void(const SceneDesc&)>& look) {
+    const auto begin = std::chrono::steady_clock::now();
+    LoadedScene loaded;
+    SceneDesc desc;
+    if (request.operand.starts_with('@')) {
+        const BuiltinScene& builtin = builtinNamed(request.operand);
+        desc = builtin.make();
+        loaded.size = Size{builtin.width, builtin.height};
+    } else {
+        desc = readGltf(request.operand, {request.greyTextures ? MissingTexture::grey : MissingTexture::error}, notes);
+    }
+    lightScene(desc, request, loaded, notes);
+    if (look) look(desc);
+    loaded.scene = Scene::compile(std::move(desc), notes, request.isa);
+    loaded.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return loaded;
+}
+
+CameraDesc chooseCamera(const Scene& scene, const std::string& wanted, double aspect, bool& automatic) {
+    const auto cameras = scene.cameras();
+    automatic = wanted == "auto" || (wanted.empty() && cameras.empty());
+    if (automatic) return frameScene(scene, aspect);
+    if (wanted.empty()) return cameras[0];
+    std::vector<std::string> names;
+    for (const CameraDesc& c : cameras) {
+        if (c.name == wanted) return c;
+        names.push_back(c.name);
+    }
+    std::size_t number = 0;
+    const auto [end, failed] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
+    if (failed == std::errc() && end == wanted.data() + wanted.size() && number < cameras.size()) return cameras[number];
+    if (cameras.empty()) throw Error(Exit::usage, fmt::format("no camera \"{}\": the scene has none; use --camera auto", wanted));
+    const std::string near = nearest(wanted, names);
+    throw Error(Exit::usage, fmt::format("no camera \"{}\"; have 0 to {} or by name \"{}\", or auto{}", wanted, cameras.size() - 1,
+                                         fmt::join(names, "\", \""), near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near)));
+}
+
+} // namespace chiaro::cli

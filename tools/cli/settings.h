@@ -1,0 +1,44 @@
+// What `chiaro render` was asked for, as values: every option read and checked before anything is loaded.
+#pragma once
+#include "core/render/render.h"
+#include "integrators/registry.h"
+#include "tools/cli/command.h"
+#include "tools/cli/progress_bar.h"
+#include "tools/cli/scene_source.h"
+#include <filesystem>
+
+namespace chiaro::cli {
+
+struct RenderSettings {
+    const Arguments* arguments = nullptr;
+    SceneRequest scene;
+    IntegratorChoice integrator{nullptr, Options({})};
+    Budget budget;
+    uint32_t maxDepth = unlimitedDepth;
+    std::string size, crop, pixel; // as typed; they are read when the camera is known
+    uint32_t sample = 0;
+    uint64_t seed = 0;
+    unsigned threads = 0; // 0: all
+    SamplerKind sampler = SamplerKind::sobol;
+    FilterKind filter = FilterKind::blackmanHarris;
+    std::string camera;
+    std::optional<double> exposure; // none: auto
+    std::string view, ocio;
+    std::vector<std::string> outputs; // patterns
+    bool strict = false, json = false, quiet = false, verbose = false;
+    ProgressMode progress = ProgressMode::automatic;
+};
+RenderSettings readSettings(const Arguments&);
+
+// The files that the patterns name for so many samples.
+std::vector<std::filesystem::path> outputFiles(const RenderSettings&, uint32_t spp);
+bool isExr(const std::filesystem::path&);
+
+// The view: camera, size, crop. `automatic`: the camera was framed by chiaro.
+View makeView(const RenderSettings&, const LoadedScene&, CameraDesc& camera, bool& automatic);
+
+std::string samplerName(SamplerKind);
+std::string filterName(FilterKind);
+std::string integratorRecipe(const IntegratorChoice&); // "path:rr-depth=3"
+
+} // namespace chiaro::cli

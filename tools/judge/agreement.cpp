@@ -1,0 +1,186 @@
+#include "tools/judge/agreement.h"
+#include "core/render/error.h"
+#include "tools/judge/special.h"
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+
+namespace chiaro::judge {
+
+namespace {
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double imageShare = 0.5, tileShare = 0.25, pixelShare = 0.25;
+constexpr double outlierP = 0.001; // two-sided, |z| > 3.29
+constexpr double largestZ = 38;    // beyond, the normal tail is no double
+
+Test compared(const Estimate& a, const Estimate& b, double rounding) noexcept {
+    return welch(a, b, rounding * std::max(std::abs(a.mean), std::abs(b.mean)));
+}
+
+// Equal without any spread: nothing to test.
+bool identical(const Estimate& a, const Estimate& b) noexcept { return a.error == 0 && b.error == 0 && a.mean == b.mean; }
+
+Bias biasOf(const Estimate& a, const Estimate& b, const AgreementSettings& s) noexcept {
+    Bias bias{compared(a, b, s.rounding), 0, {}};
+    const Interval absolute = confidenceInterval(bias.test, 1 - s.confidence);
+    const auto relative = [&](double d) { return d == 0 ? 0.0 : d / std::abs(b.mean); };
+    bias.relative = relative(bias.test.difference);
+    bias.interval = {relative(absolute.low), relative(absolute.high)};
+    return bias;
+}
+
+void imageScale(Agreement& out, const Evidence& a, const Evidence& b, const AgreementSettings& s) {
+    std::vector<double> p;
+    for (std::size_t k = 0; k < meanCount; ++k) {
+        out.bias[k] = biasOf(a.image[k], b.image[k], s);
+        p.push_back(out.bias[k].test.p);
+        if (p[k] < out.bias[std::size_t(out.strongest)].test.p) out.strongest = Mean(k);
+    }
+    out.image = {imageShare * s.alpha, simes(p), p.size(), 0};
+    for (const double v : p) out.image.rejected += v <= sidak(out.image.alpha, double(p.size()));
+}
+
+void tileScale(Agreement& out, const Evidence& a, const Evidence& b, const AgreementSettings& s) {
+    out.tilesX = a.tilesX;
+    out.tilesY = a.tilesY;
+    out.tileZ.assign(a.tiles.size(), float(nan));
+    out.tiles.alpha = tileShare * s.alpha;
+    std::vector<double> p, errors;
+    for (std::size_t t = 0; t < a.tiles.size(); ++t) {
+        if (std::isnan(a.tiles[t].mean) || std::isnan(b.tiles[t].mean)) continue;
+        const Test test = compared(a.tiles[t], b.tiles[t], s.rounding);
+        const double z = std::min(largestZ, normalQuantile(test.p / 2));
+        out.tileZ[t] = float(std::copysign(z, test.difference));
+        if (identical(a.tiles[t], b.tiles[t])) continue;
+        p.push_back(test.p);
+        errors.push_back(test.error);
+    }
+    out.tiles.tests = p.size();
+    if (p.empty()) return;
+    const double each = sidak(out.tiles.alpha, double(p.size()));
+    for (const double v : p) out.tiles.rejected += v <= each;
+    out.tiles.p = sidakFamily(*std::min_element(p.begin(), p.end()), double(p.size()));
+    const auto middle = errors.begin() + std::ptrdiff_t(errors.size() / 2);
+    std::nth_element(errors.begin(), middle, errors.end());
+    const Test& whole = out.bias[0].test;
+    out.tileResolution = minimalDetectable(*middle, whole.dof, each, s.power) / std::abs(b.image[0].mean);
+}
+
+void pixelScale(Agreement& out, const Evidence& a, const Evidence& b, const AgreementSettings& s) {
+    out.pixelZ.assign(a.pixels.size(), float(nan));
+    out.pixels.alpha = pixelShare * s.alpha;
+    // A t tail is never below the normal one: a p that cannot matter is not worth its incomplete beta function.
+    const double ignorable = normalQuantile(std::max(out.pixels.alpha, outlierP) / 2);
+    std::vector<double> p;
+    for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+        if (std::isnan(a.pixels[i].mean) || std::isnan(b.pixels[i].mean)) continue;
+        const Estimate &x = a.pixels[i], &y = b.pixels[i];
+        const double floor = s.rounding * std::max(std::abs(x.mean), std::abs(y.mean));
+        const double error = std::sqrt(x.error * x.error + y.error * y.error + floor * floor), difference = x.mean - y.mean;
+        out.pixelZ[i] = difference == 0 ? 0.0f : float(std::clamp(difference / error, -1e30, 1e30));
+        if (identical(x, y)) continue;
+        p.push_back(std::abs(difference) <= ignorable * error ? 1.0 : compared(x, y, s.rounding).p);
+    }
+    out.pixels.tests = p.size();
+    for (const double v : p) out.outliers += v < outlierP;
+    out.outlierBounds = binomialBounds(p.size(), outlierP, out.pixels.alpha);
+    if (p.empty()) return;
+    out.pixels.p = simes(p);
+    const double threshold = benjaminiHochberg(p, out.pixels.alpha);
+    for (const double v : p) out.pixels.rejected += v <= threshold;
+}
+
+void resolve(Agreement& out, const Evidence& b, const AgreementSettings& s) {
+    const Test& mean = out.bias[0].test;
+    // Simes over the four means finds at least what Bonferroni finds.
+    const double absolute = minimalDetectable(mean.error, mean.dof, out.image.alpha / double(meanCount), s.power);
+    const double level = std::abs(b.image[0].mean);
+    out.resolution = absolute == 0 ? 0 : absolute / level;
+    out.equivalenceP = equivalence(mean, s.margin * level);
+    const double ratio = out.resolution / s.margin;
+    out.neededReplicates = std::max(2.0, std::ceil(out.replicates * ratio * ratio));
+    if (out.resolution > s.margin) out.moreSamples = std::ceil(out.replicates * s.samplesPerReplicate * (ratio * ratio - 1));
+}
+} // namespace
+
+const char* verdictName(Verdict v) noexcept {
+    switch (v) {
+    case Verdict::agrees: return "agrees";
+    case Verdict::biased: return "biased";
+    case Verdict::differs: return "differs";
+    case Verdict::cannotTell: return "cannot tell yet";
+    }
+    return "";
+}
+
+Agreement decide(const Evidence& a, const Evidence& b, const AgreementSettings& s) {
+    Agreement out;
+    out.replicates = std::min(a.replicates, b.replicates);
+    out.compared = a.compared;
+    out.skewness = std::abs(a.skewness) > std::abs(b.skewness) ? a.skewness : b.skewness;
+    if (a.compared == 0 || b.compared == 0) return out;
+    imageScale(out, a, b, s);
+    tileScale(out, a, b, s);
+    pixelScale(out, a, b, s);
+    resolve(out, b, s);
+    if (out.image.significant())
+        out.verdict = Verdict::biased;
+    else if (out.tiles.significant() || out.pixels.significant())
+        out.verdict = Verdict::differs;
+    else
+        out.verdict = out.resolution <= s.margin ? Verdict::agrees : Verdict::cannotTell;
+    return out;
+}
+
+Agreement agree(const Replicates& test, const Replicates& reference, const AgreementSettings& s) {
+    if (test.width() != reference.width() || test.height() != reference.height() || test.tile() != reference.tile())
+        throw Error(Exit::unsupported, fmt::format("the test is {}x{}, the reference {}x{}; render both at one size.", test.width(),
+                                                   test.height(), reference.width(), reference.height()));
+    if (std::min(test.count(), reference.count()) < 2)
+        throw Error(Exit::unsupported, fmt::format("a verdict needs 2 replicates a side or more, has {} and {}; raise --seeds.",
+                                                   test.count(), reference.count()));
+    std::vector<uint8_t> bad = test.badTiles();
+    const std::vector<uint8_t> others = reference.badTiles();
+    for (std::size_t t = 0; t < bad.size(); ++t) bad[t] |= others[t];
+    Agreement out = decide(test.evidence(bad), reference.evidence(bad), s);
+    out.nonFinitePixels = test.nonFinitePixels() + reference.nonFinitePixels();
+    out.tilesLeftOut = std::size_t(std::count(bad.begin(), bad.end(), 1));
+    return out;
+}
+
+Agreement agree(const Picture& test, const Picture& reference, const Region& region, const AgreementSettings& s) {
+    requireComparable(test, reference, region);
+    std::vector<uint8_t> bad = badTiles(test, region);
+    const std::vector<uint8_t> others = badTiles(reference, region);
+    for (std::size_t t = 0; t < bad.size(); ++t) bad[t] |= others[t];
+    Agreement out = decide(evidenceOf(test, region, bad), evidenceOf(reference, region, bad), s);
+    out.tilesLeftOut = std::size_t(std::count(bad.begin(), bad.end(), 1));
+    return out;
+}
+
+std::string describe(const Agreement& a, const AgreementSettings& s) {
+    if (a.compared == 0) return "cannot tell: no pixel to compare";
+    switch (a.verdict) {
+    case Verdict::agrees: return fmt::format("agrees: a bias of {:.2g} % would show", 100 * a.resolution);
+    case Verdict::biased: {
+        const Bias& bias = a.bias[std::size_t(a.strongest)];
+        const double half = 0.5 * (bias.interval.high - bias.interval.low);
+        if (!std::isfinite(bias.relative))
+            return fmt::format("biased by {:+.3g} cd/m2 ({}; the reference is black)", bias.test.difference, meanName(a.strongest));
+        return fmt::format("biased by {:+.3g} % +- {:.2g} % ({}, {:g} % confidence)", 100 * bias.relative, 100 * half,
+                           meanName(a.strongest), 100 * s.confidence);
+    }
+    case Verdict::differs:
+        return fmt::format("differs: {} of {} tiles and {} of {} pixels, while the means agree within {:.2g} %", a.tiles.rejected,
+                           a.tiles.tests, a.pixels.rejected, a.pixels.tests, 100 * a.resolution);
+    case Verdict::cannotTell:
+        return std::isfinite(a.moreSamples)
+                   ? fmt::format("cannot tell yet: needs {:.0f} more samples a pixel to see a bias of {:g} % (now {:.2g} %)", a.moreSamples,
+                                 100 * s.margin, 100 * a.resolution)
+                   : std::string("cannot tell: the reference is black but for noise");
+    }
+    return {};
+}
+
+} // namespace chiaro::judge

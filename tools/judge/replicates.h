@@ -1,0 +1,55 @@
+// What one side of a comparison knows: luminance a pixel and a tile, luminance and R, G, B of the whole, each with the standard error of
+// its mean. It comes from independent replicates (own seeds), because the samples of one pixel under a scrambled sequence say nothing about
+// their error, or from one picture with an error layer (normal approximation).
+#pragma once
+#include "tools/judge/picture.h"
+#include "tools/judge/statistics.h"
+#include <array>
+
+namespace chiaro::judge {
+
+enum class Mean { luminance, red, green, blue };
+inline constexpr std::size_t meanCount = 4;
+const char* meanName(Mean) noexcept; // "Y", "R", "G", "B"
+
+struct Evidence {
+    uint32_t width = 0, height = 0, tile = 0, tilesX = 0, tilesY = 0;
+    std::vector<Estimate> pixels, tiles; // luminance; a NaN mean: left out
+    std::array<Estimate, meanCount> image;
+    double skewness = 0; // of the luminance means of the replicates
+    double replicates = 1;
+    std::size_t compared = 0; // pixels
+};
+
+// Accumulates replicate after replicate: two doubles a pixel, and four a tile and replicate.
+class Replicates {
+public:
+    Replicates(uint32_t width, uint32_t height, const Region& = {}, uint32_t tile = 8);
+    void add(const Picture&); // throws Exit::unsupported where its size is another one
+    uint32_t width() const noexcept { return width_; }
+    uint32_t height() const noexcept { return height_; }
+    uint32_t tile() const noexcept { return tile_; }
+    std::size_t count() const noexcept { return sums_.size(); }
+    std::size_t nonFinitePixels() const noexcept; // of any replicate
+    std::vector<uint8_t> badTiles() const;        // those that hold a non-finite pixel
+    // Tiles marked in `leftOut` count at no scale: give both sides the union of their bad tiles.
+    Evidence evidence(const std::vector<uint8_t>& leftOut) const;
+
+private:
+    std::size_t tileOf(std::size_t pixel) const noexcept;
+    struct Running {
+        double mean = 0, m2 = 0;
+    };
+    uint32_t width_, height_, tile_, tilesX_, tilesY_;
+    std::vector<uint8_t> keep_, bad_; // a pixel
+    std::vector<Running> pixels_;
+    std::vector<uint32_t> tileCounts_;
+    std::vector<std::vector<std::array<double, meanCount>>> sums_; // [replicate][tile]
+};
+
+// Tiles with a value or an error that is not finite.
+std::vector<uint8_t> badTiles(const Picture&, const Region&, uint32_t tile = 8);
+// Needs Picture::error (else Exit::unsupported). Errors of different pixels are independent; those of a pixel's channels are added up.
+Evidence evidenceOf(const Picture&, const Region&, const std::vector<uint8_t>& leftOut, uint32_t tile = 8);
+
+} // namespace chiaro::judge
