@@ -85,7 +85,7 @@ void Path::radiance(const Job& job, PathStart& start, Outputs& out) const noexce
 Traits traits(const Options&) {
     Traits t;
     t.covers = "L (D|G|S)* E";
-    t.misses = "Ld S+ (D|G|S)* E";
+    t.misses = "Ld S+ (D|G) .* E";
     return t;
 }
 

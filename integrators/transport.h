@@ -1,16 +1,10 @@
 // Steps that every Monte Carlo integrator shares: which class an event takes, and direct light with multiple importance sampling.
 #pragma once
+#include "core/math/warp.h"
 #include "core/render/integrator.h"
 #include "materials/bsdf.h"
 
 namespace chiaro {
-
-// Veach and Guibas 1995, section 3: weights for combining two strategies.
-inline float powerHeuristic(float a, float b) noexcept {
-    if (!(a < infinity)) return 1;
-    const float squares = a * a + b * b;
-    return squares > 0 && squares < infinity ? a * a / squares : a > b ? 1.f : 0.f;
-}
 
 inline Terms terms(const PathClasses& classes, PathState state) noexcept { return classes.sorts(state) ? Terms::apart : Terms::together; }
 

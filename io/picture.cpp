@@ -148,7 +148,8 @@ Picture readPicture(const std::filesystem::path& file) {
                     .window = {x, y, right, bottom},
                     .names = {},
                     .planes = {},
-                    .metadata = readAttributes(spec)};
+                    .metadata = readAttributes(spec),
+                    .integer = !spec.format.is_floating_point()};
     const std::size_t channels = std::size_t(spec.nchannels);
     std::vector<float> interleaved(picture.window.area() * channels);
     if (!in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, interleaved.data()))

@@ -25,6 +25,7 @@ struct Picture {
     std::vector<std::string> names;         // of the channels
     std::vector<std::vector<float>> planes; // window.area() values each, rows from the top
     Metadata metadata;
+    bool integer = false; // the file stores whole numbers: values encoded for a display, most likely
 
     std::vector<float>& add(std::string name); // a new plane of zeros
     const std::vector<float>* find(std::string_view name) const;

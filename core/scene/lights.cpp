@@ -1,13 +1,8 @@
 #include "core/scene/lights.h"
+#include "core/math/warp.h"
 #include "core/scene/scene.h"
 
 namespace chiaro {
-namespace {
-
-// dA to dw: pdfW = pdfA d^2 / cos (Veach 1997, equation 8.10).
-float areaToSolidAngle(float pdfA, float distanceSquared, float cosine) noexcept { return pdfA * distanceSquared / cosine; }
-
-} // namespace
 
 uint32_t Lights::count() const noexcept { return uint32_t(triangles_.size() + punctual_.size()) + (environment_ ? 1 : 0); }
 
@@ -46,17 +41,9 @@ std::optional<LightSample> Lights::sampleOne(uint32_t light, const SurfacePoint&
 }
 
 std::optional<LightSample> Lights::sampleTriangle(const Triangle& t, const SurfacePoint& from, Point2 u) const noexcept {
-    // Uniform by area (Heitz, A Low-Distortion Map Between Triangle and Square, 2019).
-    float b1 = u.x, b2 = u.y;
-    if (b2 > b1) {
-        b1 *= 0.5f;
-        b2 -= b1;
-    } else {
-        b2 *= 0.5f;
-        b1 -= b2;
-    }
+    const Point2 b = uniformTriangle(u);
     SurfacePoint at;
-    at.p = t.p + t.e1 * b1 + t.e2 * b2;
+    at.p = t.p + t.e1 * b.x + t.e2 * b.y;
     at.ng = t.ng;
     at.error = t.error;
     const Vec3 way = at.p - from.p;
@@ -66,10 +53,10 @@ std::optional<LightSample> Lights::sampleTriangle(const Triangle& t, const Surfa
     s.wi = way * (1 / std::sqrt(distanceSquared));
     const float cosine = -dot(s.wi, t.ng);
     if (cosine == 0 || (cosine < 0 && !t.doubleSided)) return {};
-    SurfacePoint look = scene_->attributes({t.geometry, t.triangle, t.instance, b1, b2, 0});
+    SurfacePoint look = scene_->attributes({t.geometry, t.triangle, t.instance, b.x, b.y, 0});
     s.radiance = emission(look) * scene_->opacity(look);
     if (black(s.radiance)) return {};
-    s.pdfW = areaToSolidAngle(1 / t.area, distanceSquared, std::fabs(cosine));
+    s.pdfW = areaToSolidAngle(1 / t.area, distanceSquared, cosine);
     s.shadow = from.to(at);
     return s;
 }
@@ -145,7 +132,7 @@ LightHit Lights::hit(const SurfacePoint& at, const Vec3& wo, const SurfacePoint*
     if (cosine == 0 || (cosine < 0 && !t.doubleSided)) return {};
     LightHit h;
     h.radiance = emission(at);
-    if (from && t.area > 0) h.pdfW = pmf(at.light) * areaToSolidAngle(1 / t.area, lengthSquared(at.p - from->p), std::fabs(cosine));
+    if (from && t.area > 0) h.pdfW = pmf(at.light) * areaToSolidAngle(1 / t.area, lengthSquared(at.p - from->p), cosine);
     return h;
 }
 

@@ -48,6 +48,7 @@ public:
     // This light; pdfW without the choice.
     std::optional<LightSample> sampleOne(uint32_t light, const SurfacePoint& from, double uPick, Point2 u) const noexcept;
     uint32_t count() const noexcept;
+    bool hasEnvironment() const noexcept { return environment_.has_value() && environment_->power > 0; }
     float pmf(uint32_t light) const noexcept; // of choosing it
     // Emission of a surface towards wo. from: where the ray came from, null for a camera.
     LightHit hit(const SurfacePoint& emitter, const Vec3& wo, const SurfacePoint* from) const noexcept;

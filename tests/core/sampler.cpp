@@ -86,6 +86,40 @@ TEST_SUITE("sampler") {
         CHECK(stray == 0);
     }
 
+    TEST_CASE(
+        "a 3D request is a (1,3)-sequence whose point is a (0,2)-sequence: 2^k samples put two into every interval of volume 2^(1-k)") {
+        int stray = 0;
+        for (const Origin& o : origins()) {
+            std::vector<PickAndPoint> all;
+            std::vector<Point2> points;
+            std::vector<double> picks;
+            for (uint32_t i = 0; i < 256; ++i) {
+                all.push_back(at(o, i).get3D());
+                points.push_back(all.back().u);
+                picks.push_back(all.back().pick);
+            }
+            for (int k = 0; k <= 8; ++k) stray += strayIntervals(points, k) + strayStrata(picks, std::size_t(1) << k);
+            for (int k = 1; k <= 8; ++k)
+                for (int a = 0; a < k; ++a)
+                    for (int b = 0; a + b < k; ++b) {
+                        std::vector<int> cells(std::size_t(1) << (k - 1));
+                        const int c = k - 1 - a - b;
+                        for (std::size_t i = 0; i < std::size_t(1) << k; ++i) {
+                            const auto x = std::size_t(std::ldexp(all[i].pick, a)), y = std::size_t(std::ldexp(double(all[i].u.x), b)),
+                                       z = std::size_t(std::ldexp(double(all[i].u.y), c));
+                            ++cells[(x << (b + c)) + (y << c) + z];
+                        }
+                        for (const int n : cells) stray += n != 2;
+                    }
+        }
+        CHECK(stray == 0);
+        Sampler s(1, SamplerKind::independent, Stream::pixel, 2, 3), one = s;
+        const PickAndPoint p = s.get3D();
+        CHECK(p.pick == one.getPick());
+        CHECK(p.u.x == one.get2D().x);
+        CHECK(s.dimension() == 3);
+    }
+
     TEST_CASE("dimensions of one pixel are independent: chi-square and covariance of pairs of requests") {
         const int pairs[][2] = {{0, 1}, {0, 2}, {1, 2}, {3, 4}, {4, 9}, {10, 100}, {64, 65}, {0, 1000}};
         const double level = stats::sidak(2 * 3 * 8);

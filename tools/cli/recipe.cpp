@@ -16,7 +16,9 @@ Metadata recipe(const RenderSettings& s, const LoadedScene& loaded, const View& 
     m.emplace_back("chiaro:camera", rendered.camera);
     m.emplace_back("chiaro:environment", loaded.environment);
     m.emplace_back("chiaro:integrator", integratorRecipe(s.integrator));
-    m.emplace_back("chiaro:maxDepth", s.maxDepth == unlimitedDepth ? std::string("unlimited") : text(s.maxDepth));
+    if (!s.paths.paths.empty()) m.emplace_back("chiaro:paths", s.paths.paths);
+    if (!s.paths.split.empty()) m.emplace_back("chiaro:split", s.paths.split);
+    m.emplace_back("chiaro:maxDepth", s.paths.maxDepth == unlimitedDepth ? std::string("unlimited") : text(s.paths.maxDepth));
     m.emplace_back("chiaro:size", fmt::format("{}x{}", view.width, view.height));
     m.emplace_back("chiaro:seed", text(s.seed));
     m.emplace_back("chiaro:spp", text(rendered.result.spp));

@@ -5,6 +5,7 @@
 #include "tools/cli/replay.h"
 #include "tools/cli/report.h"
 #include "tools/cli/signals.h"
+#include "tools/cli/unseen_paths.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -81,15 +82,14 @@ int renderFilm(const RenderSettings& s, const LoadedScene& loaded, const View& v
     const FilmLayout layout{.width = view.width,
                             .height = view.height,
                             .crop = view.crop,
-                            .layers = {},
+                            .layers = s.classes.layerNames(),
                             .splats = s.integrator.entry->traits(s.integrator.options).splats};
     checkMemory(layout);
     Film film(layout);
     StopToken stop;
     const StopOnSignal signals(stop);
     ProgressBar progress(s.progress, s.quiet, s.budget.seconds);
-    const PathClasses classes(s.maxDepth);
-    const Job job{{*loaded.scene, classes, view.shutter, s.seed, s.sampler, run, stop, progress, notes}, view};
+    const Job job{{*loaded.scene, s.classes, view.shutter, s.seed, s.sampler, run, stop, progress, notes}, view};
     const auto integrator = s.integrator.entry->make(s.integrator.options);
 
     Rendered rendered{.result = render(job, *integrator, film, s.budget, stop), .mean = {}, .camera = camera};
@@ -129,6 +129,7 @@ int runRender(const Arguments& arguments) {
     const View view = makeView(s, loaded, camera, automatic);
     const std::string cameraName = automatic ? "auto" : camera.name;
     tellScene(s, loaded, cameraName, console);
+    if (const auto unseen = unseenPaths(*loaded.scene, s.integrator, s.paths)) notes.warn(*unseen);
     console.warnings(notes);
     if (replay) return replaySample(s, loaded, view, run, notes, console);
     tellIntegrator(s, view, console);

@@ -17,11 +17,10 @@ int replaySample(const RenderSettings& s, const LoadedScene& loaded, const View&
                                 s.integrator.entry->name));
     Progress silent;
     const StopToken stop;
-    const PathClasses classes(s.maxDepth);
-    const Job job{{*loaded.scene, classes, view.shutter, s.seed, s.sampler, run, stop, silent, notes}, view};
+    const Job job{{*loaded.scene, s.classes, view.shutter, s.seed, s.sampler, run, stop, silent, notes}, view};
     made->prepare(job);
     PathStart start = startPixel(job, pixel, s.sample);
-    Outputs out{FilmLayout{.width = view.width, .height = view.height, .crop = view.crop, .layers = {}}};
+    Outputs out{FilmLayout{.width = view.width, .height = view.height, .crop = view.crop, .layers = s.classes.layerNames()}};
     integrator->radiance(job, start, out);
     const Spectrum value = out.total();
 

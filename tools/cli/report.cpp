@@ -71,7 +71,7 @@ void tellIntegrator(const RenderSettings& s, const View& view, const Console& co
     if (std::isfinite(s.budget.seconds)) budget += fmt::format("{}{}", budget.empty() ? "" : " or ", duration(s.budget.seconds));
     std::string depth;
     if (s.integrator.entry->traits(s.integrator.options).lightTransport) {
-        depth = s.maxDepth == unlimitedDepth ? ", depth unlimited" : fmt::format(", depth {}", s.maxDepth);
+        depth = s.paths.maxDepth == unlimitedDepth ? ", depth unlimited" : fmt::format(", depth {}", s.paths.maxDepth);
         for (const OptionSpec& o : s.integrator.entry->options)
             if (o.name == "rr-depth") depth += fmt::format(" (roulette from {})", s.integrator.options.text("rr-depth"));
     }

@@ -59,7 +59,10 @@ RenderSettings readSettings(const Arguments& a) {
     if (a.given("time")) s.budget.seconds = parseDuration("time", a.text("time"));
     // A time alone is the budget; the default number of samples would end it early.
     if (a.given("time") && !a.given("spp")) s.budget.spp = 1u << 31;
-    if (a.given("max-depth")) s.maxDepth = uint32_t(parseWhole("max-depth", a.text("max-depth"), 0, unlimitedDepth - 1));
+    if (a.given("max-depth")) s.paths.maxDepth = uint32_t(parseWhole("max-depth", a.text("max-depth"), 0, unlimitedDepth - 1));
+    s.paths.paths = a.text("paths");
+    s.paths.split = a.text("split");
+    s.classes = PathClasses::make(s.paths);
     s.size = a.text("size");
     if (!s.size.empty()) parseSize("size", s.size);
     s.crop = a.text("crop");

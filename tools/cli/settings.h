@@ -14,7 +14,8 @@ struct RenderSettings {
     SceneRequest scene;
     IntegratorChoice integrator{nullptr, Options({})};
     Budget budget;
-    uint32_t maxDepth = unlimitedDepth;
+    PathQuery paths;               // --paths, --split, --max-depth
+    PathClasses classes;           // made from them
     std::string size, crop, pixel; // as typed; they are read when the camera is known
     uint32_t sample = 0;
     uint64_t seed = 0;

@@ -1,0 +1,12 @@
+// The warning for light paths that a scene holds and the chosen integrator cannot see: missing, which no number of samples mends.
+#pragma once
+#include "integrators/registry.h"
+#include <optional>
+#include <string>
+
+namespace chiaro::cli {
+
+// One line with an example path and, where the registry has one, an integrator that sees it; none: everything wanted is seen.
+std::optional<std::string> unseenPaths(const Scene&, const IntegratorChoice&, const PathQuery&);
+
+} // namespace chiaro::cli
