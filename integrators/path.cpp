@@ -1,5 +1,6 @@
 // Unidirectional path tracing (Kajiya 1986) with next-event estimation, BSDF sampling, both weighted by the power heuristic (Veach and
 // Guibas 1995), and Russian roulette (Arvo and Kirk 1990).
+#include "core/render/fault.h"
 #include "integrators/entries.h"
 #include "integrators/transport.h"
 
@@ -21,7 +22,7 @@ public:
 private:
     // Share of an emitter found by a BSDF sample of density pdfW.
     float hitWeight(bool delta, float pdfW, float lightPdfW) const noexcept {
-        if (delta || !nee_ || lightPdfW == 0) return 1;
+        if ((delta && !fault(Fault::deltaWeighted)) || !nee_ || lightPdfW == 0 || fault(Fault::emissionTwice)) return 1;
         return mis_ ? powerHeuristic(pdfW, lightPdfW) : 0.f;
     }
     uint32_t rouletteDepth_;
@@ -59,19 +60,20 @@ void Path::radiance(const Job& job, PathStart& start, Outputs& out) const noexce
         }
         if (!classes.continues(state)) return;
         const PickAndPoint uLight = sampler.get3D(), uBsdf = sampler.get3D();
-        if (nee_ && bsdf.smooth())
+        if (nee_ && bsdf.smooth() && !(fault(Fault::bounceDropped) && depth == 1))
             addDirect(job, at, bsdf, state, throughput, scene.lights().sampleTowards(at, uLight.pick, uLight.u), mis_ ? Mis::on : Mis::off,
                       out);
         const auto sample = bsdf.sample(min(float(uBsdf.pick), oneMinusEpsilon), uBsdf.u);
         if (!sample) return;
-        const Turn next = turn(classes, state, bsdf, *sample, sampler.get1D());
-        const float uRoulette = sampler.get1D();
+        const Turn next = turn(classes, state, bsdf, *sample, sampler);
         if (!next.state || black(next.weight)) return;
         throughput *= next.weight;
         if (depth >= rouletteDepth_) {
             const float survive = min(maxComponent(throughput), 0.95f);
-            if (!(uRoulette < survive)) return;
-            throughput *= 1 / survive;
+            if (!(sampler.get1D() < survive)) return;
+            throughput *= fault(Fault::rouletteUnweighted) ? 1 : 1 / survive;
+        } else {
+            sampler.skip(1);
         }
         state = next.state;
         pdfW = sample->pdfW;

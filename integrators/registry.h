@@ -12,6 +12,11 @@ struct Traits {
     bool splats = false;
     std::string covers = "L (D|G|S)* E"; // the light paths it sees, in the grammar of --paths
     std::string misses;                  // those it cannot find by construction; empty: none
+    // Of a consistent but biased method: the option h > 0 with which its bias vanishes as a sum of powers of h. It is judged by answers at
+    // h, h s, h s^2, ... extrapolated to the limit; where a larger h is better, the step s is above 1 and the powers are negative.
+    std::string convergesOver = {}; // the option's name; empty: none
+    std::vector<double> convergencePowers = {2};
+    double convergenceStep = 0.7071067811865476;
 };
 struct IntegratorEntry {
     std::string_view name, summary;

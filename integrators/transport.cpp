@@ -1,9 +1,14 @@
 #include "integrators/transport.h"
+#include "core/render/fault.h"
 
 namespace chiaro {
 
-Turn turn(const PathClasses& classes, PathState state, const Bsdf& bsdf, const BsdfSample& sample, float uClass) noexcept {
-    if (sample.delta || !classes.sorts(state)) return {classes.eye(state, sample.event), sample.weight};
+Turn turn(const PathClasses& classes, PathState state, const Bsdf& bsdf, const BsdfSample& sample, Sampler& sampler) noexcept {
+    if (sample.delta || !classes.sorts(state)) {
+        sampler.skip(1);
+        return {classes.eye(state, sample.event), sample.weight};
+    }
+    const float uClass = sampler.get1D();
     const BsdfValue value = bsdf.evaluate(sample.wi, Terms::apart);
     PathState next[2] = {};
     float share[2] = {};
@@ -24,7 +29,7 @@ void addDirect(const Job& job, const SurfacePoint& at, const Bsdf& bsdf, PathSta
     const BsdfValue value = bsdf.evaluate(light->wi, terms(job.classes, state));
     if (value.n == 0 || black(value.f()) || job.scene.occluded(light->shadow)) return;
     const float weight = mis == Mis::on && !light->delta ? powerHeuristic(light->pdfW, value.pdfW) : 1.f;
-    const float cosine = absDot(bsdf.normal(), light->wi);
+    const float cosine = fault(Fault::receiverCosineMissing) ? 1.f : absDot(bsdf.normal(), light->wi);
     const Spectrum arriving =
         light->radiance * segmentTransmittance(job.scene, &at, light->wi, nullptr, light->shadow.tfar) * (cosine * weight / light->pdfW);
     for (const BsdfTerm& term : value)

@@ -15,7 +15,7 @@ struct Turn {
 };
 // The direction came from the mixture. Where classes still matter, the event's class is drawn from those alive in proportion to the
 // luminance of f_class, and the weight divided by that probability: classes sum to the picture, densities stay those of the mixture.
-Turn turn(const PathClasses&, PathState, const Bsdf&, const BsdfSample&, float uClass) noexcept;
+Turn turn(const PathClasses&, PathState, const Bsdf&, const BsdfSample&, Sampler&) noexcept; // takes one dimension
 
 enum class Mis : bool { off, on };
 // Adds the light that arrives at `at` from one light sample, in the layers of its path classes.

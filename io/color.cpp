@@ -160,7 +160,8 @@ double autoExposure(std::span<const float> rgb, std::span<const uint8_t> lamps) 
     const auto at = lit.begin() + std::ptrdiff_t(double(lit.size() - 1) * 0.995);
     std::nth_element(lit.begin(), at, lit.end());
     const double wanted = std::log2(0.18) - logs / double(lit.size());
-    return std::floor(std::min(wanted, -std::log2(*at)) * 10 + 1e-9) / 10 + 0.0; // + 0.0: no negative zero
+    constexpr double slack = 1e-5;                                                // 0.18 as a float is not 0.18
+    return std::floor(std::min(wanted, -std::log2(*at)) * 10 + slack) / 10 + 0.0; // + 0.0: no negative zero
 }
 
 } // namespace chiaro

@@ -11,6 +11,8 @@ namespace {
 
 constexpr uint64_t maxBytes = uint64_t(1) << 34;
 
+} // namespace
+
 std::string similarNames(const std::filesystem::path& path) {
     std::vector<std::string> names;
     std::error_code ignored;
@@ -21,8 +23,6 @@ std::string similarNames(const std::filesystem::path& path) {
     const std::string best = nearest(path.filename().string(), names);
     return best.empty() ? "" : "; similar here: " + best;
 }
-
-} // namespace
 
 std::string printable(std::string text) {
     for (char& c : text)

@@ -1,3 +1,4 @@
+#include "core/render/fault.h"
 #include "io/gltf_file.h"
 #include <algorithm>
 #include <cmath>
@@ -115,7 +116,7 @@ void convertExtensions(Conversion& to, const json& from, const Factors& factors,
     const json& all = member(from, "extensions");
     m.unlit = all.contains("KHR_materials_unlit");
     const double strength = factors.within(member(all, "KHR_materials_emissive_strength"), "emissiveStrength", 1, 0, unbounded);
-    m.emission = factors.color(from, "emissiveFactor", 0) * float(strength);
+    m.emission = factors.color(from, "emissiveFactor", 0) * (fault(Fault::emissiveStrengthIgnored) ? 1.f : float(strength));
     m.emissionTexture = slot(to, from, "emissiveTexture");
     const double ior = member(all, "KHR_materials_ior").value("ior", 1.5);
     m.ior = ior == 0 ? 0 : factors.clamped(ior, "ior", 1, 1000);

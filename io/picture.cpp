@@ -1,4 +1,5 @@
 #include "io/picture.h"
+#include "io/file_bytes.h"
 #include "io/replace_file.h"
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
@@ -135,7 +136,7 @@ Picture readPicture(const std::filesystem::path& file) {
         const bool there = std::filesystem::exists(file, ignored);
         const std::string why = OIIO::geterror();
         throw Error(Exit::file, there ? fmt::format("{}: not a readable picture ({})", file.string(), why)
-                                      : fmt::format("{}: no such file", file.string()));
+                                      : fmt::format("{}: no such file{}", file.string(), similarNames(file)));
     }
     const OIIO::ImageSpec spec = in->spec();
     if (spec.depth > 1 || spec.deep)

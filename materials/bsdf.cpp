@@ -1,4 +1,5 @@
 #include "materials/bsdf.h"
+#include "core/render/fault.h"
 
 namespace chiaro {
 namespace {
@@ -17,7 +18,7 @@ Vec3 facing(const Vec3& ns, const Vec3& ng, const Vec3& wo) noexcept {
 } // namespace
 
 Bsdf::Bsdf(const BsdfParameters& parameters, const Vec3& ng, const Vec3& ns, const Vec3& wo, Transport transport) noexcept {
-    const bool outside = dot(ng, wo) >= 0;
+    const bool outside = dot(ng, wo) >= 0 || fault(Fault::backNormalKept);
     ng_ = outside ? ng : -ng;
     Vec3 n = outside ? ns : -ns;
     const bool importance = transport == Transport::importance, bent = !(n == ng_);

@@ -1,4 +1,5 @@
 #include "materials/lobes.h"
+#include "core/render/fault.h"
 #include "materials/fresnel.h"
 
 namespace chiaro {
@@ -19,6 +20,7 @@ Lobes::Lobes(const BsdfParameters& p, const Vec3& wo, bool outside, Transport tr
     : wo_{wo.x, wo.y, std::max(wo.z, 1e-7f)}, transport_(transport), outside_(outside), thin_(p.thin) {
     const float roughness = clamp01(p.roughness), transmission = clamp01(p.transmission);
     alpha_ = roughness * roughness < smallestAlpha ? 0 : roughness * roughness;
+    if (fault(Fault::alphaIsRoughness)) alpha_ = roughness;
     rough_ = alpha_ > 0;
     ior_ = p.ior == 0 ? 0 : std::max(p.ior, 1.f);
     metallic_ = clamp01(p.metallic);
@@ -69,7 +71,7 @@ Lobes::Split Lobes::split(float cosTheta, bool outside) const noexcept {
     } else if (ior_ == 0) {
         f = Spectrum(1);
     } else if (!outside) {
-        const float exact = fresnelDielectric(cosTheta, 1 / ior_);
+        const float exact = fresnelDielectric(cosTheta, fault(Fault::totalReflectionMissing) ? ior_ : 1 / ior_);
         f = exact == 1 ? Spectrum(1) : dielectric(f90_ == 0 ? 0 : shape(exact));
     }
     s.r += f * glass_;
@@ -106,8 +108,8 @@ void Lobes::addReflection(const Vec3& wi, float diffuseI, LobeValue& v) const no
         chanceO = reflectionChance(split(wo_.z, outside_));
         chanceI = reflectionChance(split(wi.z, outside_));
     }
-    v.glossy = s.r * (d * ggx.visibility(wo_, wi));
-    v.pdfW += (1 - diffuseO_) * chanceO * reflectionPdfW(ggx, wo_, d);
+    v.glossy = s.r * (d * ggx.visibility(wo_, wi) * (fault(Fault::glossyBias) ? 1.01f : 1.f));
+    v.pdfW += (1 - diffuseO_) * chanceO * (fault(Fault::visiblePdfByNormals) ? d * h.z / (4 * c) : reflectionPdfW(ggx, wo_, d));
     v.pdfReverseW += (1 - diffuseI) * chanceI * reflectionPdfW(ggx, wi, d);
 }
 
@@ -154,7 +156,8 @@ LobeValue Lobes::evaluate(const Vec3& wi) const noexcept {
     }
     if (diffuseLobe_) {
         for (std::size_t i = 0; i < 3; ++i)
-            v.diffuse[i] = diffuseColor_[i] * (1 / pi) * (coated_ ? openO_[i] * openI[i] / std::max(openAverage_[i], 1e-6f) : 1);
+            v.diffuse[i] = diffuseColor_[i] * ((fault(Fault::diffuseBias) ? 1.01f : 1.f) / pi) *
+                           (coated_ && !fault(Fault::coatAdded) ? openO_[i] * openI[i] / std::max(openAverage_[i], 1e-6f) : 1);
         v.pdfW = diffuseO_ * cosineHemispherePdfW(mu);
         v.pdfReverseW = diffuseI * cosineHemispherePdfW(wo_.z);
     }
@@ -175,10 +178,10 @@ LobeSample Lobes::passed() const noexcept {
     LobeSample m{-wo_, Event::ST};
     if (passes_ != Passes::straight && passes_ != Passes::refracted) return m;
     const bool refracted = passes_ == Passes::refracted, beyond = refracted ? !outside_ : outside_;
-    if (refracted) m.wi = refract(wo_, Vec3{0, 0, 1}, etaI() / etaO());
+    if (refracted) m.wi = refract(wo_, Vec3{0, 0, 1}, fault(Fault::etaRatioWhenLeaving) ? ior_ : etaI() / etaO());
     if (m.wi.z >= 0) return m;
     const Split s = split(wo_.z, outside_);
-    m.weight = s.t * (refracted && transport_ == Transport::radiance ? sqr(etaO() / etaI()) : 1);
+    m.weight = s.t * (refracted && transport_ == Transport::radiance && !fault(Fault::etaSquaredMissing) ? sqr(etaO() / etaI()) : 1);
     m.pmf = (1 - diffuseO_) * (1 - reflectionChance(s));
     const float mu = -m.wi.z;
     const float diffuseI = diffuseChance(mu, beyond, coated_ ? open(slice_.at(mu)) : Spectrum(1));

@@ -1,3 +1,4 @@
+#include "core/render/fault.h"
 #include "materials/bsdf.h"
 
 namespace chiaro {
@@ -33,7 +34,8 @@ Vec3 shadingNormal(const Scene& scene, const MaterialDesc& m, const SurfacePoint
     if (m.normalTexture.texture < 0) return s.ns;
     const Tangents frame = tangents(s);
     if (!frame) return s.ns;
-    const Vec4 c = scene.sample(m.normalTexture, s, Transfer::linear);
+    Vec4 c = scene.sample(m.normalTexture, s, Transfer::linear);
+    if (fault(Fault::normalGreenFlipped)) c.y = 1 - c.y;
     const Vec3 n = frame.t * ((2 * c.x - 1) * m.normalScale) + frame.b * ((2 * c.y - 1) * m.normalScale) + s.ns * (2 * c.z - 1);
     const float l = length(n);
     return l > 1e-6f ? above(n * (1 / l), s.ng) : s.ns;
@@ -49,7 +51,9 @@ BsdfParameters parameters(const Scene& scene, const MaterialDesc& m, const Surfa
         p.specular = 0;
         return p;
     }
-    const Spectrum base = m.baseColor * rgb(scene.sample(m.baseColorTexture, s, Transfer::srgb)) * rgb(s.color);
+    const Spectrum base = m.baseColor *
+                          rgb(scene.sample(m.baseColorTexture, s, fault(Fault::baseColorNotDecoded) ? Transfer::linear : Transfer::srgb)) *
+                          rgb(s.color);
     p.baseColor = {clamped(base[0]), clamped(base[1]), clamped(base[2])};
     const Vec4 mr = scene.sample(m.metallicRoughnessTexture, s, Transfer::linear);
     p.metallic = m.metallic * mr.z;
@@ -82,7 +86,8 @@ Spectrum segmentTransmittance(const Scene& scene, const SurfacePoint* from, cons
     if (m == nullptr) m = inside(scene, to, -wi);
     if (m == nullptr || !std::isfinite(m->attenuationDistance) || !(m->attenuationDistance > 0)) return Spectrum(1);
     Spectrum t;
-    for (std::size_t i = 0; i < 3; ++i) t[i] = std::pow(clamped(m->attenuationColor[i]), distance / m->attenuationDistance);
+    for (std::size_t i = 0; i < 3; ++i)
+        t[i] = std::pow(clamped(m->attenuationColor[i]), fault(Fault::absorptionPerBounce) ? 1 : distance / m->attenuationDistance);
     return t;
 }
 

@@ -76,8 +76,9 @@ inline int addTexture(SceneDesc& scene, int width, int height, int channels, std
     return int(scene.textures.size()) - 1;
 }
 // An environment of radiance value(column, row).
-template <class F> EnvironmentDesc environment(int width, int height, F value) {
+template <class F> EnvironmentDesc environment(int width, int height, F value, TextureFilter filter = TextureFilter::nearest) {
     EnvironmentDesc e;
+    e.filter = filter;
     e.image.width = width;
     e.image.height = height;
     e.image.channels = 3;

@@ -76,8 +76,8 @@ Sampler Sampler::replay(std::span<const float> vector, Sampler beyond) noexcept 
 uint32_t Sampler::bits(uint32_t d) const noexcept {
     const uint64_t h = hashCombine(key_, d);
     if (kind_ == SamplerKind::independent) return uint32_t(hashCombine(h, index_) >> 32);
-    // Van der Corput of the Owen-shuffled index (whose reversal this is), scrambled again.
-    return owenScramble(laineKarras(reverseBits(index_), uint32_t(h)), uint32_t(h >> 32));
+    // Van der Corput (the reversal) of the Owen-shuffled index, scrambled again.
+    return reverseBits(laineKarras(shuffled(uint32_t(h)), uint32_t(h >> 32)));
 }
 
 float Sampler::get1D() noexcept {
@@ -90,10 +90,13 @@ double Sampler::getPick() noexcept {
     return d < vectorSize_ ? double(vector_[d]) : double(bits(d)) * 0x1p-32;
 }
 
-// The first two dimensions of the point whose shuffled index has this reversal.
-Point2 Sampler::pair(uint32_t reversed, uint32_t seedX, uint32_t seedY) noexcept {
-    return {toUnit(owenScramble(reversed, seedX)), toUnit(reverseBits(laineKarras(sobolSecondReversed(reverseBits(reversed)), seedY)))};
+// The first two dimensions of the point of a shuffled index.
+Point2 Sampler::pair(uint32_t shuffled, uint32_t seedX, uint32_t seedY) noexcept {
+    // Owen's scramble of a reversed number is the reversal of Laine and Karras' hash of the number itself.
+    return {toUnit(reverseBits(laineKarras(shuffled, seedX))), toUnit(reverseBits(laineKarras(sobolSecondReversed(shuffled), seedY)))};
 }
+
+uint32_t Sampler::shuffled(uint32_t seed) const noexcept { return reverseBits(laineKarras(reverseBits(index_), seed)); }
 
 Point2 Sampler::get2D() noexcept {
     if (dimension_ + 1 < vectorSize_) {
@@ -106,7 +109,7 @@ Point2 Sampler::get2D() noexcept {
         const uint64_t r = hashCombine(h, index_);
         return {toUnit(uint32_t(r >> 32)), toUnit(uint32_t(r))};
     }
-    return pair(laineKarras(reverseBits(index_), uint32_t(h)), uint32_t(h >> 32), uint32_t(g));
+    return pair(shuffled(uint32_t(h)), uint32_t(h >> 32), uint32_t(g));
 }
 
 PickAndPoint Sampler::get3D() noexcept {
@@ -116,9 +119,8 @@ PickAndPoint Sampler::get3D() noexcept {
     }
     const uint64_t h = hashCombine(key_, dimension_), g = hashMix(h ^ 0x6a09e667f3bcc909ull);
     dimension_ += 3;
-    const uint32_t reversed = laineKarras(reverseBits(index_), uint32_t(h));
-    const uint32_t third = owenScramble(sobolThird(reverseBits(reversed)), uint32_t(g >> 32));
-    return {double(third) * 0x1p-32, pair(reversed, uint32_t(h >> 32), uint32_t(g))};
+    const uint32_t index = shuffled(uint32_t(h)), third = owenScramble(sobolThird(index), uint32_t(g >> 32));
+    return {double(third) * 0x1p-32, pair(index, uint32_t(h >> 32), uint32_t(g))};
 }
 
 Sampler Sampler::split(uint32_t j, uint32_t n) const noexcept {

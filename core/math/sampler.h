@@ -41,7 +41,8 @@ public:
 
 private:
     uint32_t bits(uint32_t dimension) const noexcept;
-    static Point2 pair(uint32_t reversedIndex, uint32_t seedX, uint32_t seedY) noexcept;
+    uint32_t shuffled(uint32_t seed) const noexcept;
+    static Point2 pair(uint32_t shuffledIndex, uint32_t seedX, uint32_t seedY) noexcept;
     uint64_t key_ = 0;
     uint32_t index_ = 0, dimension_ = 0;
     SamplerKind kind_ = SamplerKind::sobol;

@@ -5,6 +5,7 @@
 // 2019; Archimedes for sphere and cone.
 #pragma once
 #include "core/math/vec.h"
+#include "core/render/fault.h"
 
 namespace chiaro {
 
@@ -66,6 +67,8 @@ template <class T> Vec2T<T> uniformTriangle(const Vec2T<T>& u) noexcept {
 
 // Densities between measures: per square metre of a surface at a distance, to per steradian, and back.
 template <class T> T areaToSolidAngle(T pdfA, T distanceSquared, T cosAtSurface) noexcept {
+    if (fault(Fault::lightPdfNotConverted)) return pdfA;
+    if (fault(Fault::lampCosineMissing)) return pdfA * distanceSquared;
     return pdfA * distanceSquared / abs(cosAtSurface);
 }
 template <class T> T solidAngleToArea(T pdfW, T distanceSquared, T cosAtSurface) noexcept {

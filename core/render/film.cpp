@@ -1,4 +1,5 @@
 #include "core/render/film.h"
+#include "core/render/fault.h"
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -76,7 +77,11 @@ void Film::add(Pixel p, uint32_t sample, const Outputs& out) noexcept {
     const int half = int(sample & 1);
     ++counts.kept[half];
     for (int l = 0; l < planes_; ++l)
-        for (int c = 0; c < 3; ++c) sums_[i + std::size_t(l) * layout_.crop.area()].half[half][c] += toFixed(out.layer[l][std::size_t(c)]);
+        for (int c = 0; c < 3; ++c) {
+            Int128& sum = sums_[i + std::size_t(l) * layout_.crop.area()].half[half][c];
+            sum += toFixed(out.layer[l][std::size_t(c)]);
+            if (fault(Fault::sumsInFloat)) sum = toFixed(float(fromFixed(sum)));
+        }
     for (int a = 0; a < aovCount; ++a)
         for (int c = 0; c < 3; ++c)
             aovs_[i][std::size_t(3 * a + c)] +=
@@ -188,6 +193,10 @@ double Film::noise() const {
     const Mean m = meanLuminance();
     // sqrt(sum d^2 / n) / mean, with the error of the mean being sqrt(sum d^2) / n.
     return done_ < 2 ? std::nan("") : m.error * std::sqrt(double(layout_.crop.area())) / m.value;
+}
+
+bool Film::complete(uint32_t samples) const noexcept {
+    return std::all_of(counts_.begin(), counts_.end(), [samples](const Counts& c) { return c.next >= samples; });
 }
 
 std::vector<DroppedSample> Film::droppedSamples() const {

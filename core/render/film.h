@@ -86,6 +86,7 @@ public:
     Mean meanLuminance() const;
 
     uint32_t done() const noexcept { return done_; } // samples that every pixel has
+    bool complete(uint32_t samples) const noexcept;  // has every pixel been given all before this sample?
     void setDone(uint32_t samples) noexcept { done_ = samples; }
     uint64_t dropped() const noexcept { return droppedCount_.load(); }
     std::vector<DroppedSample> droppedSamples() const; // the first few by (sample, y, x)

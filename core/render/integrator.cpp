@@ -1,4 +1,5 @@
 #include "core/render/integrator.h"
+#include "core/render/fault.h"
 #include <array>
 
 namespace chiaro {
@@ -14,7 +15,7 @@ struct Room {
     std::array<Hit, mostStarts> hits;
 };
 
-uint64_t pathIndex(Pixel p) noexcept { return uint64_t(p.y) << 32 | p.x; }
+uint64_t pathIndex(Pixel p) noexcept { return fault(Fault::seedsShared) ? 0 : uint64_t(p.y) << 32 | p.x; }
 
 PathStart makeStart(const Job& job, Pixel pixel, uint32_t sample, Point2 raster, Sampler sampler, std::optional<float> at) noexcept {
     const float u = sampler.get1D();
@@ -26,7 +27,8 @@ PathStart makeStart(const Job& job, Pixel pixel, uint32_t sample, Point2 raster,
 PathStart pixelStart(const Job& job, Pixel pixel, uint32_t sample, const Starts& how) noexcept {
     Sampler sampler(job.seed, job.sampler, Stream::pixel, pathIndex(pixel), sample);
     const Point2 filtered = job.view.filter.sample(sampler.get2D());
-    Point2 raster{float(pixel.x) + 0.5f + filtered.x, float(pixel.y) + 0.5f + filtered.y};
+    const float centre = fault(Fault::pixelCorner) ? 0.f : 0.5f;
+    Point2 raster{float(pixel.x) + centre + filtered.x, float(pixel.y) + centre + filtered.y};
     if (!how.pattern.empty()) {
         const Point2 p = how.pattern[sample % how.pattern.size()];
         raster = {float(pixel.x) + p.x, float(pixel.y) + p.y};

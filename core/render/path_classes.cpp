@@ -1,5 +1,6 @@
 #include "core/render/path_classes.h"
 #include "core/render/error.h"
+#include "core/render/fault.h"
 #include "core/render/path_classes_build.h"
 #include "core/render/path_classes_split.h"
 #include <algorithm>
@@ -89,7 +90,7 @@ PathClasses PathClasses::make(const PathQuery& q) {
     const std::vector<Layer> layers = layersOf(dfa, classes, needed, refused, split ? otherLayer + 1 : otherLayer);
     if (restAdded && std::find(layers.begin(), layers.end(), Layer(names.size())) == layers.end()) names.pop_back();
     checkAnyWanted(q, shortest(dfa, layers));
-    const uint32_t maxDepth = std::min(q.maxDepth, unlimitedDepth);
+    const uint32_t maxDepth = std::min(q.maxDepth + (fault(Fault::depthOffByOne) ? 1 : 0), unlimitedDepth);
     return PathClasses(buildPathTables(dfa, layers, maxDepth), std::move(names), maxDepth);
 }
 

@@ -31,7 +31,7 @@ RenderResult render(const Job& job, Integrator& integrator, Film& film, const Bu
         const auto begun = Clock::now();
         integrator.render(job, pass, film);
         perSample = secondsSince(begun) / (pass.end - pass.begin);
-        if (stop.requested()) break; // within the pass or right behind it: what is complete is in the film's counts
+        if (stop.requested() && !film.complete(pass.end)) break; // within the pass: what is there is in the film's counts
         film.setDone(pass.end);
         if (film.done() >= noiseAt && film.done() < budget.spp) {
             plan.noise = film.noise();

@@ -29,7 +29,7 @@ struct Geometry {
 };
 
 struct Instance {
-    AffineT<float> toWorld, toLocal;
+    AffineT<float> toWorld;
     uint32_t firstGeometry = 0, geometryCount = 0; // of the mesh
     std::vector<uint32_t> firstLights;             // one a geometry; ~0u: not a light
     bool flipped = false;                          // negative determinant: the front is the clockwise side of the stored winding

@@ -1,6 +1,7 @@
 // SceneDesc -> Scene: places geometry (once-used meshes in world space, others as instances), recentres in double, builds hierarchy and
 // lights.
 #include "core/render/error.h"
+#include "core/render/fault.h"
 #include "core/scene/accel.h"
 #include "core/scene/lights_builder.h"
 #include "core/scene/scene_hash.h"
@@ -106,11 +107,14 @@ Geometry SceneCompiler::geometry(PrimitiveDesc& p, const Affine* toWorld) {
     g.cutOut = m.alphaMode != AlphaMode::opaque;
     if (toWorld) {
         const bool flip = toWorld->determinant() < 0;
+        const auto normal = [&](const Vec3& n) {
+            return fault(Fault::normalsByMatrix) ? toWorld->vector(cast<double>(n)) : toWorld->normal(cast<double>(n));
+        };
         for (Vec3& v : g.positions) v = cast<float>(toWorld->point(cast<double>(v)));
         // One factor for all: normals of unequal length would interpolate to another direction than those of an instance do.
         double longest = 0;
-        for (const Vec3& n : g.normals) longest = std::max(longest, length(toWorld->normal(cast<double>(n))));
-        for (Vec3& n : g.normals) n = longest > 0 ? cast<float>(toWorld->normal(cast<double>(n)) * ((flip ? -1 : 1) / longest)) : Vec3{};
+        for (const Vec3& n : g.normals) longest = std::max(longest, length(normal(n)));
+        for (Vec3& n : g.normals) n = longest > 0 ? cast<float>(normal(n) * ((flip ? -1 : 1) / longest)) : Vec3{};
         for (Vec4& t : g.tangents) {
             const Vec3 w = cast<float>(toWorld->vector(Vec3d{t.x, t.y, t.z}));
             t = {w.x, w.y, w.z, flip ? -t.w : t.w};

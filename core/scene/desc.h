@@ -103,8 +103,9 @@ struct PunctualDesc {
 };
 
 struct EnvironmentDesc {
-    ImageDesc image;  // f32, 3 channels, latitude-longitude radiance; one texel is a uniform sky
-    float rotate = 0; // about +Y, radians, counter-clockwise seen from above
+    ImageDesc image;                              // f32, 3 channels, latitude-longitude radiance; one texel is a uniform sky
+    TextureFilter filter = TextureFilter::linear; // nearest: every texel is a patch of constant radiance
+    float rotate = 0;                             // about +Y, radians, counter-clockwise seen from above
     float scale = 1;
 };
 

@@ -1,5 +1,6 @@
 #include "core/scene/lights.h"
 #include "core/math/warp.h"
+#include "core/render/fault.h"
 #include "core/scene/scene.h"
 
 namespace chiaro {
@@ -24,7 +25,7 @@ std::optional<LightSample> Lights::sampleTowards(const SurfacePoint& from, doubl
         pmf = (1 - pickEnvironment_) * c.pmf;
         s = sampleOne(c.index, from, 0, {c.u, u.y});
     }
-    if (s) s->pdfW *= pmf;
+    if (s && !fault(Fault::lightChoiceForgotten)) s->pdfW *= pmf;
     return s;
 }
 
@@ -54,7 +55,7 @@ std::optional<LightSample> Lights::sampleTriangle(const Triangle& t, const Surfa
     const float cosine = -dot(s.wi, t.ng);
     if (cosine == 0 || (cosine < 0 && !t.doubleSided)) return {};
     SurfacePoint look = scene_->attributes({t.geometry, t.triangle, t.instance, b.x, b.y, 0});
-    s.radiance = emission(look) * scene_->opacity(look);
+    s.radiance = emission(look) * (scene_->opacity(look) * (fault(Fault::lightPowerBias) ? 1.01f : 1.f));
     if (black(s.radiance)) return {};
     s.pdfW = areaToSolidAngle(1 / t.area, distanceSquared, cosine);
     s.shadow = from.to(at);
@@ -87,12 +88,25 @@ std::optional<LightSample> Lights::samplePunctual(const Punctual& l, const Surfa
     return s;
 }
 
-const Vec4& Lights::environmentTexel(const Vec3& world) const noexcept {
+Vec4 Lights::skyAt(const Vec3& world) const noexcept {
     const Environment& e = *environment_;
     const Vec3 d{world.x * e.cosRotate - world.z * e.sinRotate, world.y, world.x * e.sinRotate + world.z * e.cosRotate};
-    const float u = 0.5f + std::atan2(d.z, d.x) / (2 * pi), v = std::acos(std::clamp(d.y, -1.f, 1.f)) / pi;
-    const int x = std::clamp(int(u * float(e.width)), 0, e.width - 1), y = std::clamp(int(v * float(e.height)), 0, e.height - 1);
-    return e.texels[std::size_t(y) * e.width + x];
+    const float turn = fault(Fault::skyHalfTexel) ? 0.5f / float(e.width) : fault(Fault::skyQuarterTurn) ? 0.25f : 0.f;
+    const float u = 0.5f + std::atan2(d.z, d.x) / (2 * pi) + turn, v = std::acos(std::clamp(d.y, -1.f, 1.f)) / pi;
+    const float px = u * float(e.width), py = v * float(e.height);
+    // Around the horizon the picture goes on at its other side; above and below it ends.
+    const auto at = [&e](int x, int y) -> const Vec4& {
+        const int column = x < 0 ? x + e.width : x >= e.width ? x - e.width : x;
+        return e.texels[std::size_t(std::clamp(y, 0, e.height - 1)) * e.width + std::clamp(column, 0, e.width - 1)];
+    };
+    const Vec4& own = at(int(px), int(py));
+    if (e.filter == TextureFilter::nearest) return own;
+    const float x0 = std::floor(px - 0.5f), y0 = std::floor(py - 0.5f), fx = px - 0.5f - x0, fy = py - 0.5f - y0;
+    const int x = int(x0), y = int(y0);
+    const Vec4 &a = at(x, y), &b = at(x + 1, y), &c = at(x, y + 1), &f = at(x + 1, y + 1);
+    const float wa = (1 - fx) * (1 - fy), wb = fx * (1 - fy), wc = (1 - fx) * fy, wf = fx * fy;
+    return {a.x * wa + b.x * wb + c.x * wc + f.x * wf, a.y * wa + b.y * wb + c.y * wc + f.y * wf, a.z * wa + b.z * wb + c.z * wc + f.z * wf,
+            own.w};
 }
 
 std::optional<LightSample> Lights::sampleEnvironment(const SurfacePoint& from, double uCell, Point2 u) const noexcept {
@@ -104,12 +118,12 @@ std::optional<LightSample> Lights::sampleEnvironment(const SurfacePoint& from, d
     const float y = e.rowCosine[row] + (e.rowCosine[row + 1] - e.rowCosine[row]) * u.y;
     const float phi = ((float(column) + c.u) / float(e.width) - 0.5f) * 2 * pi, radius = safeSqrt((1 - y) * (1 + y));
     const Vec3 d{radius * std::cos(phi), y, radius * std::sin(phi)};
-    const Vec4& texel = e.texels[c.index];
     LightSample s;
     s.kind = LightKind::environment;
     s.wi = {d.x * e.cosRotate + d.z * e.sinRotate, d.y, -d.x * e.sinRotate + d.z * e.cosRotate};
-    s.radiance = {texel.x, texel.y, texel.z};
-    s.pdfW = texel.w;
+    const Vec4 sky = e.filter == TextureFilter::nearest ? e.texels[c.index] : skyAt(s.wi);
+    s.radiance = {sky.x, sky.y, sky.z};
+    s.pdfW = e.texels[c.index].w; // of the texel that was drawn, should rounding have moved the direction into another
     s.shadow = from.towards(s.wi);
     s.light = count() - 1;
     return s;
@@ -133,13 +147,14 @@ LightHit Lights::hit(const SurfacePoint& at, const Vec3& wo, const SurfacePoint*
     LightHit h;
     h.radiance = emission(at);
     if (from && t.area > 0) h.pdfW = pmf(at.light) * areaToSolidAngle(1 / t.area, lengthSquared(at.p - from->p), cosine);
+    if (fault(Fault::misOtherMeasure)) h.pdfW = from ? pmf(at.light) / t.area : 0;
     return h;
 }
 
 LightHit Lights::miss(const Ray& ray, const SurfacePoint* from) const noexcept {
     if (!environment_) return {};
-    const Vec4& texel = environmentTexel(ray.d);
-    return {{texel.x, texel.y, texel.z}, from ? pickEnvironment_ * texel.w : 0, LightKind::environment};
+    const Vec4 sky = skyAt(ray.d);
+    return {{sky.x, sky.y, sky.z}, from ? pickEnvironment_ * sky.w : 0, LightKind::environment};
 }
 
 } // namespace chiaro

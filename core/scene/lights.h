@@ -78,7 +78,8 @@ private:
     };
     struct Environment {
         int width = 0, height = 0;
-        std::vector<Vec4> texels;     // radiance, and the density per steradian of choosing the direction: one 16-byte look-up serves both
+        TextureFilter filter = TextureFilter::linear;
+        std::vector<Vec4> texels;     // radiance, and the density per steradian with which a direction in the texel is chosen
         std::vector<float> rowCosine; // cos(theta) at the upper edge of each row, and -1
         AliasTable table;
         float cosRotate = 1, sinRotate = 0;
@@ -87,7 +88,8 @@ private:
     std::optional<LightSample> sampleTriangle(const Triangle&, const SurfacePoint&, Point2 u) const noexcept;
     std::optional<LightSample> samplePunctual(const Punctual&, const SurfacePoint&) const noexcept;
     std::optional<LightSample> sampleEnvironment(const SurfacePoint&, double uCell, Point2 u) const noexcept;
-    const Vec4& environmentTexel(const Vec3& direction) const noexcept;
+    // Radiance from a direction, and the density of sampling it (w).
+    Vec4 skyAt(const Vec3& direction) const noexcept;
     Spectrum emission(const SurfacePoint&) const noexcept;
 
     const Scene* scene_ = nullptr;

@@ -1,4 +1,5 @@
 #include "core/scene/lights_builder.h"
+#include "core/render/fault.h"
 #include <cstring>
 #include <map>
 
@@ -55,7 +56,7 @@ uint32_t LightsBuilder::addMesh(const Geometry& g, uint32_t geometry, const Inst
         t.triangle = i;
         t.instance = instanceIndex;
         t.material = g.material;
-        t.doubleSided = m.doubleSided || m.unlit;
+        t.doubleSided = m.doubleSided || m.unlit || fault(Fault::lampTwoSided);
         t.power = float(meanEmission(t) * double(t.area) * double(pi) * (t.doubleSided ? 2 : 1));
         lights_.triangles_.push_back(t);
     }
@@ -65,12 +66,13 @@ uint32_t LightsBuilder::addMesh(const Geometry& g, uint32_t geometry, const Inst
 void LightsBuilder::addPunctual(const PunctualDesc& d, const Vec3d& centre, float sceneRadius) {
     Lights::Punctual l;
     l.kind = d.kind;
-    l.intensity = d.intensity;
+    l.intensity = d.intensity * (fault(Fault::candelaAsLumen) ? 1 / (4 * pi) : 1.f);
     l.name = d.name;
     l.p = cast<float>(d.toWorld.point(Vec3d{0, 0, 0}) - centre);
     l.axis = cast<float>(normalize(d.toWorld.vector(Vec3d{0, 0, -1})));
     l.range = float(d.range);
-    const double y = double(luminance(d.intensity)), inner = std::cos(d.innerCone), outer = std::cos(d.outerCone);
+    const double y = double(luminance(d.intensity)), share = fault(Fault::spotHalfAngle) ? 0.5 : 1;
+    const double inner = std::cos(d.innerCone * share), outer = std::cos(d.outerCone * share);
     if (d.kind == PunctualKind::point) l.power = 4 * double(pi) * y;
     if (d.kind == PunctualKind::directional) l.power = double(pi) * sceneRadius * sceneRadius * y;
     if (d.kind == PunctualKind::spot) {
@@ -81,6 +83,29 @@ void LightsBuilder::addPunctual(const PunctualDesc& d, const Vec3d& centre, floa
     }
     lights_.punctual_.push_back(l);
 }
+
+namespace {
+
+// What the look-up shows on average over each texel: the texels themselves, or with a linear filter their blend with the neighbours (the
+// tent over a texel: 1/8, 3/4, 1/8 along each axis). So no direction that shines is left without density.
+std::vector<double> meanLuminance(std::span<const Vec4> texels, int width, int height, TextureFilter filter) {
+    std::vector<double> own(texels.size());
+    for (std::size_t i = 0; i < own.size(); ++i) own[i] = std::max(0.0, double(luminance(Spectrum(texels[i].x, texels[i].y, texels[i].z))));
+    if (filter == TextureFilter::nearest) return own;
+    std::vector<double> across(own.size()), mean(own.size());
+    const auto index = [width](int x, int y) { return std::size_t(y) * width + x; };
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            across[index(x, y)] =
+                0.75 * own[index(x, y)] + 0.125 * (own[index((x + width - 1) % width, y)] + own[index((x + 1) % width, y)]);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            mean[index(x, y)] =
+                0.75 * across[index(x, y)] + 0.125 * (across[index(x, std::max(0, y - 1))] + across[index(x, std::min(height - 1, y + 1))]);
+    return mean;
+}
+
+} // namespace
 
 void LightsBuilder::setEnvironment(const EnvironmentDesc& d, float sceneRadius) {
     Lights::Environment e;
@@ -93,17 +118,20 @@ void LightsBuilder::setEnvironment(const EnvironmentDesc& d, float sceneRadius) 
     const std::size_t count = std::size_t(e.width) * e.height;
     std::vector<float> rgb(count * 3);
     std::memcpy(rgb.data(), d.image.pixels.data(), rgb.size() * sizeof(float));
-    std::vector<double> weights(count), solidAngle(e.height);
+    e.filter = d.filter;
+    std::vector<double> solidAngle(e.height);
     for (int y = 0; y < e.height; ++y)
         solidAngle[y] =
             (std::cos(std::numbers::pi * y / e.height) - std::cos(std::numbers::pi * (y + 1) / e.height)) * 2 * std::numbers::pi / e.width;
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < count; ++i)
         e.texels.push_back({rgb[3 * i] * d.scale, rgb[3 * i + 1] * d.scale, rgb[3 * i + 2] * d.scale, 0});
-        weights[i] = std::max(0.0, double(luminance(Spectrum(e.texels[i].x, e.texels[i].y, e.texels[i].z)))) * solidAngle[i / e.width];
-    }
+    std::vector<double> weights = meanLuminance(e.texels, e.width, e.height, e.filter);
+    for (std::size_t i = 0; i < count; ++i) weights[i] *= solidAngle[i / e.width];
     e.table = AliasTable(weights);
     if (!e.table.empty())
-        for (std::size_t i = 0; i < count; ++i) e.texels[i].w = float(double(e.table.pmf(uint32_t(i))) / solidAngle[i / e.width]);
+        for (std::size_t i = 0; i < count; ++i)
+            e.texels[i].w = float(double(e.table.pmf(uint32_t(i))) /
+                                  (fault(Fault::skySineMissing) ? 4 * double(pi) / double(count) : solidAngle[i / e.width]));
     e.power = e.table.sum() * double(pi) * sceneRadius * sceneRadius;
     lights_.environment_ = std::move(e);
 }

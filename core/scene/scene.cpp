@@ -1,4 +1,5 @@
 #include "core/scene/scene.h"
+#include "core/render/fault.h"
 #include "core/scene/accel.h"
 
 namespace chiaro {
@@ -45,7 +46,7 @@ Vec3 inset(const Vec3& p, const Vec3& e1, const Vec3& e2, float doubleArea, floa
 } // namespace
 
 Vec3 SurfacePoint::offset(const Vec3& w) const noexcept {
-    const float reach = error * (std::fabs(ng.x) + std::fabs(ng.y) + std::fabs(ng.z));
+    const float reach = fault(Fault::offsetAbsolute) ? 1e-4f : error * (std::fabs(ng.x) + std::fabs(ng.y) + std::fabs(ng.z));
     return p + ng * (dot(w, ng) < 0 ? -reach : reach);
 }
 
@@ -54,7 +55,7 @@ Ray SurfacePoint::towards(const Vec3& wi) const noexcept { return {offset(wi), 0
 Ray SurfacePoint::to(const SurfacePoint& other) const noexcept {
     const Vec3 way = other.p - p, from = offset(way), d = other.offset(-way) - from;
     const float distance = length(d);
-    return {from, 0, distance > 0 ? d * (1 / distance) : ng, distance * (1 - 0x1p-20f), time};
+    return {from, 0, distance > 0 ? d * (1 / distance) : ng, distance * (fault(Fault::shadowRayShort) ? 0.9f : 1 - 0x1p-20f), time};
 }
 
 Scene::Scene() = default;
@@ -133,8 +134,9 @@ float Scene::opacity(const SurfacePoint& s) const noexcept {
     const MaterialDesc& m = materials_[s.material];
     if (m.alphaMode == AlphaMode::opaque) return 1;
     const float alpha = m.alpha * s.color.w * sample(m.baseColorTexture, s, Transfer::srgb).w;
-    if (m.alphaMode == AlphaMode::mask) return alpha >= m.alphaCutoff ? 1.f : 0.f;
-    return clamp01(alpha);
+    if (m.alphaMode == AlphaMode::mask)
+        return alpha > m.alphaCutoff || (alpha == m.alphaCutoff && !fault(Fault::alphaCutoffOpen)) ? 1.f : 0.f;
+    return clamp01(fault(Fault::blendTwice) ? alpha * alpha : alpha);
 }
 
 } // namespace chiaro

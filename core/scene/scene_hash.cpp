@@ -81,7 +81,8 @@ uint64_t sceneHash(const Scene& scene, std::span<const Geometry> geometries, std
     for (const PunctualDesc& l : desc.lights) add(h, l);
     if (desc.environment) {
         h.values(desc.environment->image.pixels);
-        h.numbers({double(desc.environment->image.width), desc.environment->rotate, desc.environment->scale});
+        h.numbers(
+            {double(desc.environment->image.width), double(desc.environment->filter), desc.environment->rotate, desc.environment->scale});
     }
     const Vec3d c = scene.centre();
     h.numbers({c.x, c.y, c.z});

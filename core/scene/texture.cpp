@@ -1,4 +1,5 @@
 #include "core/scene/texture.h"
+#include "core/render/fault.h"
 #include <cstring>
 
 namespace chiaro {
@@ -83,13 +84,17 @@ Vec4 Textures::lookup(int texture, Point2 uv, Transfer transfer) const noexcept 
     const TextureDesc& t = textures_[texture];
     const ImageDesc& image = images_[t.image];
     const float x = tame(uv.x, t.wrapS) * float(image.width), y = tame(uv.y, t.wrapT) * float(image.height);
-    const auto at = [&](int i, int j) { return texel(image, wrap(i, image.width, t.wrapS), wrap(j, image.height, t.wrapT), transfer); };
+    const bool late = fault(Fault::filterBeforeDecode) && transfer == Transfer::srgb;
+    const auto at = [&](int i, int j) {
+        return texel(image, wrap(i, image.width, t.wrapS), wrap(j, image.height, t.wrapT), late ? Transfer::linear : transfer);
+    };
     if (t.filter == TextureFilter::nearest) return at(int(std::floor(x)), int(std::floor(y)));
     const float x0 = std::floor(x - 0.5f), y0 = std::floor(y - 0.5f), fx = x - 0.5f - x0, fy = y - 0.5f - y0;
     const int i = int(x0), j = int(y0);
     const Vec4 a = at(i, j), b = at(i + 1, j), c = at(i, j + 1), d = at(i + 1, j + 1);
     const auto mix = [&](float p, float q, float r, float s) { return (p * (1 - fx) + q * fx) * (1 - fy) + (r * (1 - fx) + s * fx) * fy; };
-    return {mix(a.x, b.x, c.x, d.x), mix(a.y, b.y, c.y, d.y), mix(a.z, b.z, c.z, d.z), mix(a.w, b.w, c.w, d.w)};
+    const Vec4 m{mix(a.x, b.x, c.x, d.x), mix(a.y, b.y, c.y, d.y), mix(a.z, b.z, c.z, d.z), mix(a.w, b.w, c.w, d.w)};
+    return late ? Vec4{srgbToLinear(m.x), srgbToLinear(m.y), srgbToLinear(m.z), m.w} : m;
 }
 
 } // namespace chiaro

@@ -59,6 +59,11 @@ TEST_SUITE("errors") {
         CHECK(run(folder, {}).code == 64);
     }
 
+} // TEST_SUITE
+
+// A suite of its own: a hundred starts of the program.
+TEST_SUITE("values") {
+
     TEST_CASE("values of the wrong form or range") {
         if (absent()) return;
         const Folder folder;
@@ -84,6 +89,10 @@ TEST_SUITE("errors") {
         for (const auto& [option, values] : bad)
             for (const std::string& value : values) check(folder, {{"render", "@cornell", option, value}, 64, option});
     }
+
+} // TEST_SUITE
+
+TEST_SUITE("errors") {
 
     TEST_CASE("scene files") {
         if (absent()) return;

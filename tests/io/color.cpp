@@ -151,9 +151,9 @@ TEST_SUITE("color") {
     TEST_CASE("lamps in the picture do not count, unless there is little else") {
         const std::vector<float> rgb = grey({.18f, .18f, .18f, 100});
         const std::vector<uint8_t> lamps = {0, 0, 0, 1}, all = {1, 1, 1, 1};
-        CHECK(autoExposure(rgb) == doctest::Approx(-6.7)); // log2(100) = 6.64
+        CHECK(autoExposure(rgb) == doctest::Approx(-2.3)); // log2(100 / 0.18) / 4 = 2.28, down to tenths
         CHECK(autoExposure(rgb, lamps) == 0);
-        CHECK(autoExposure(rgb, all) == doctest::Approx(-6.7));
+        CHECK(autoExposure(rgb, all) == doctest::Approx(-2.3));
     }
 
 } // TEST_SUITE

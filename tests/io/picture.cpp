@@ -45,8 +45,9 @@ Picture example() {
     return p;
 }
 
-Film smallFilm() {
-    Film film({.width = 6, .height = 4, .crop = {1, 1, 5, 3}, .layers = {"direct", "indirect"}});
+const FilmLayout smallLayout{.width = 6, .height = 4, .crop = {1, 1, 5, 3}, .layers = {"direct", "indirect"}};
+
+void fill(Film& film) {
     for (uint32_t s = 0; s < 2; ++s)
         for (uint32_t y = 1; y < 3; ++y)
             for (uint32_t x = 1; x < 5; ++x) {
@@ -57,7 +58,6 @@ Film smallFilm() {
                 out.aov(Aov::normal, Spectrum(0, 1, 0));
                 film.add({x, y}, s, out);
             }
-    return film;
 }
 
 } // namespace
@@ -98,7 +98,8 @@ TEST_SUITE("picture") {
     }
 
     TEST_CASE("layers of a film") {
-        const Film film = smallFilm();
+        Film film(smallLayout);
+        fill(film);
         const std::vector<float> depth(8, 2.5f);
         const Picture p = pictureOf(film, depth);
         CHECK(p.window == Rect{1, 1, 5, 3});

@@ -27,6 +27,7 @@ struct Command {
     std::span<const OptionRow> options;
     int (*run)(const Arguments&);
     std::size_t leastOperands = 0, mostOperands = 0;
+    std::string (*notes)() = nullptr; // what `chiaro help` adds below the options
 };
 std::span<const Command> commands();
 
@@ -59,12 +60,16 @@ std::string shellQuoted(std::string_view word);
 // Subcommands, one file each.
 int runRender(const Arguments&);
 int runInfo(const Arguments&);
+int runDiff(const Arguments&);
+int runAgree(const Arguments&);
 int runScenes(const Arguments&);
 int runIntegrators(const Arguments&);
 int runDoctor(const Arguments&);
 int runHelp(const Arguments&);
 std::span<const OptionRow> renderOptions();
 std::span<const OptionRow> infoOptions();
+std::string diffNotes();
+std::string agreeNotes();
 
 std::string commandHelp(const Command&);
 std::string overview();

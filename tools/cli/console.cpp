@@ -46,6 +46,12 @@ std::string memorySize(double bytes) {
     return bytes < 1e13 ? fmt::format("{:.1f} GB", bytes / 1e9) : fmt::format("{:.0f} TB", bytes / 1e12);
 }
 
+std::string percent(double fraction) {
+    if (!std::isfinite(fraction)) return "unknown";
+    const double p = fraction * 100;
+    return p < 10 ? fmt::format("{:.2g} %", p) : fmt::format("{:.0f} %", p);
+}
+
 std::size_t residentBytes() {
     std::ifstream statm("/proc/self/statm");
     std::size_t total = 0, resident = 0;

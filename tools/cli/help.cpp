@@ -102,7 +102,7 @@ std::string commandHelp(const Command& command) {
         for (const OptionRow& o : command.options)
             if (o.group == group) text += optionHelp(o);
     }
-    return text;
+    return command.notes ? text + command.notes() : text;
 }
 
 int runHelp(const Arguments& arguments) {

@@ -1,5 +1,8 @@
 // The options of each subcommand: the one place where they are described.
+#include "tools/cli/agree_options.h"
 #include "tools/cli/command.h"
+#include "tools/cli/diff_options.h"
+#include <algorithm>
 #include <array>
 
 namespace chiaro::cli {
@@ -140,8 +143,25 @@ constexpr auto infoTable = std::to_array<OptionRow>({envRow, envRotateRow, envSc
 constexpr auto jsonTable = std::to_array<OptionRow>({jsonRow});
 constexpr std::span<const OptionRow> noOptions;
 
+constexpr OptionRow renderRow(std::string_view name) {
+    return *std::find_if(renderTable.begin(), renderTable.end(), [&](const OptionRow& o) { return o.name == name; });
+}
+template <std::size_t N, std::size_t M>
+constexpr std::array<OptionRow, N + M> joined(const std::array<OptionRow, N>& a, const std::array<OptionRow, M>& b) {
+    std::array<OptionRow, N + M> all{};
+    std::copy(b.begin(), b.end(), std::copy(a.begin(), a.end(), all.begin()));
+    return all;
+}
+constexpr auto agreeTable =
+    joined(agreeRows, std::to_array<OptionRow>({renderRow("max-depth"), renderRow("paths"), renderRow("crop"), renderRow("sampler"),
+                                                renderRow("filter"), renderRow("seed"), renderRow("threads"), isaRow, renderRow("camera"),
+                                                envRow, envRotateRow, envScaleRow, missingTextureRow, renderRow("config"), strictRow,
+                                                renderRow("progress"), renderRow("quiet"), renderRow("verbose")}));
+
 constexpr auto table = std::to_array<Command>({
     {"render", "SCENE", "one integrator, EXR + PNG", renderTable, runRender, 1, 1},
+    {"diff", "A B", "two images: metrics and an exit code", diffTable, runDiff, 2, 2, diffNotes},
+    {"agree", "SCENE|A.exr B.exr", "do the integrators agree? a statistical verdict, an exit code", agreeTable, runAgree, 1, 2, agreeNotes},
     {"info", "SCENE|IMAGE", "what is in it, what Chiaro will use, approximate, ignore, add", infoTable, runInfo, 1, 1},
     {"scenes", "", "the scenes inside the program", jsonTable, runScenes, 0, 0},
     {"integrators", "[NAME]", "the algorithms, their options and the light paths they cover", jsonTable, runIntegrators, 0, 1},

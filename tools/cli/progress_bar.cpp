@@ -11,9 +11,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-std::string percent(double fraction) { return fmt::format("{:>3.0f} %", std::floor(fraction * 100)); }
+std::string wholePercent(double fraction) { return fmt::format("{:>3.0f} %", std::floor(fraction * 100)); }
 
-std::string noiseText(double noise) { return std::isfinite(noise) && noise > 0 ? fmt::format("  noise {:.2g} %", noise * 100) : ""; }
+std::string noiseText(double noise) { return std::isfinite(noise) && noise > 0 ? "  noise " + percent(noise) : ""; }
 
 std::chrono::milliseconds interval(ProgressMode mode) {
     return mode == ProgressMode::bar ? 200ms : mode == ProgressMode::json ? 1000ms : 10000ms;
@@ -50,8 +50,8 @@ std::string ProgressBar::text(const RenderStatus& s) const {
     const bool open = s.sppTarget == 0 || s.sppTarget >= 1u << 31; // no number of samples ends it
     const std::string target = open ? "" : fmt::format("/{}", s.sppTarget);
     const std::string left = s.secondsLeft >= 0 ? fmt::format(", {} left", duration(s.secondsLeft)) : "";
-    return fmt::format("render   [{:#<{}}{:-<{}}] {}  {}{} spp  {}{}{}  {}", "", full, "", cells - full, percent(done), uint64_t(s.samples),
-                       target, duration(s.seconds), left, noiseText(lastNoise_), memorySize(double(residentBytes())));
+    return fmt::format("render   [{:#<{}}{:-<{}}] {}  {}{} spp  {}{}{}  {}", "", full, "", cells - full, wholePercent(done),
+                       uint64_t(s.samples), target, duration(s.seconds), left, noiseText(lastNoise_), memorySize(double(residentBytes())));
 }
 
 std::string ProgressBar::json(const RenderStatus& s) const {

@@ -35,13 +35,17 @@ Metadata recipe(const RenderSettings& s, const LoadedScene& loaded, const View& 
     return m;
 }
 
-std::string replayCommand(const RenderSettings& s, const DroppedSample& d) {
+std::string sameSamples(const RenderSettings& s) {
     std::string line = "chiaro render " + shellQuoted(s.scene.operand);
     for (const OptionRow& o : s.arguments->command->options)
         if (o.sample && o.name != "seed" && s.arguments->given(o.name))
             line += fmt::format(" {}{} {}", o.letter ? "-" : "--", o.letter ? std::string(1, o.letter) : std::string(o.name),
                                 shellQuoted(s.arguments->text(o.name)));
-    return line + fmt::format(" --pixel {},{} --sample {} --seed {}", d.pixel.x, d.pixel.y, d.sample, s.seed);
+    return line;
+}
+
+std::string replayCommand(const RenderSettings& s, const DroppedSample& d) {
+    return sameSamples(s) + fmt::format(" --pixel {},{} --sample {} --seed {}", d.pixel.x, d.pixel.y, d.sample, s.seed);
 }
 
 } // namespace chiaro::cli

@@ -17,6 +17,8 @@ struct Rendered {
 // seconds: whether the time is told; without it equal renders have equal recipes.
 Metadata recipe(const RenderSettings&, const LoadedScene&, const View&, const DisplayTransform&, const Film&, const Rendered&);
 
+// "chiaro render SCENE" with the options on which the value of a sample depends, but for its seed.
+std::string sameSamples(const RenderSettings&);
 std::string replayCommand(const RenderSettings&, const DroppedSample&);
 
 } // namespace chiaro::cli

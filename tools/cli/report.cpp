@@ -26,8 +26,6 @@ std::string trianglesText(const SceneCounts& c) {
     return text;
 }
 
-std::string percentText(double fraction) { return std::isfinite(fraction) ? fmt::format("{:.2g} %", fraction * 100) : "unknown"; }
-
 double relativeMeanError(const Rendered& r) { return r.mean.value > 0 ? 1.96 * r.mean.error / r.mean.value : NAN; } // 95 %, normal
 
 nlohmann::ordered_json finiteOrNull(double v) { return std::isfinite(v) ? nlohmann::ordered_json(v) : nlohmann::ordered_json(nullptr); }
@@ -87,7 +85,7 @@ void tellDone(const RenderSettings& s, const DisplayTransform& display, const Fi
     const bool stopped = r.result.ended == Ended::stopped;
     if (stopped) console.line(fmt::format("stopped at {}/{} spp; wrote {}", r.result.spp, s.budget.spp, joined(files)));
     console.phase("done", fmt::format("{} spp in {}   noise {}   mean +-{} (95 %)   {} non-finite", r.result.spp,
-                                      duration(r.result.seconds), percentText(r.noise), percentText(relativeMeanError(r)), film.dropped()));
+                                      duration(r.result.seconds), percent(r.noise), percent(relativeMeanError(r)), film.dropped()));
     const std::string exposure = fmt::format(fmt::runtime(r.automaticExposure ? "{:.1f}" : "{:g}"), r.exposure);
     const std::string keep = r.automaticExposure ? fmt::format("      keep it with: --exposure {:.1f}", r.exposure) : "";
     for (const std::filesystem::path& file : files) {
@@ -99,8 +97,7 @@ void tellDone(const RenderSettings& s, const DisplayTransform& display, const Fi
                                                r.automaticExposure ? " (auto)" : "", keep));
     }
     if (!stopped && r.noise > 0.01 && r.result.spp < 1u << 20)
-        console.phase(
-            "next", fmt::format("half the noise: chiaro render {} --spp {}", shellQuoted(s.scene.operand), 4 * std::max(1u, r.result.spp)));
+        console.phase("next", fmt::format("half the noise: {} --spp {}", sameSamples(s), 4 * std::max(1u, r.result.spp)));
 }
 
 void printSummary(const RenderSettings& s, const LoadedScene& loaded, const View& view, const DisplayTransform& display, const Film& film,
