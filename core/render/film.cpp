@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numbers>
 #include <tuple>
 
 namespace chiaro {
@@ -175,24 +176,35 @@ std::vector<Spectrum> Film::standardError() const {
     return result;
 }
 
+double Film::halfDeviation(Pixel p) const noexcept {
+    const Counts& n = counts_[at(p)];
+    if (n.kept[0] == 0 || n.kept[1] == 0) return 0;
+    return std::fabs(double(luminance(halfMean(p, Half::even))) - double(luminance(halfMean(p, Half::odd)))) / 2;
+}
+
 Film::Mean Film::meanLuminance() const {
     const Rect& crop = layout_.crop;
     double sum = 0, squares = 0;
     for (uint32_t y = crop.y0; y < crop.y1; ++y)
         for (uint32_t x = crop.x0; x < crop.x1; ++x) {
             sum += luminance(mean({x, y}));
-            const Counts& n = counts_[at({x, y})];
-            if (n.kept[0] == 0 || n.kept[1] == 0) continue;
-            squares += sqr((double(luminance(halfMean({x, y}, Half::even))) - double(luminance(halfMean({x, y}, Half::odd)))) / 2);
+            squares += sqr(halfDeviation({x, y}));
         }
     const double n = double(crop.area());
     return {sum / n, std::sqrt(squares) / n};
 }
 
 double Film::noise() const {
-    const Mean m = meanLuminance();
-    // sqrt(sum d^2 / n) / mean, with the error of the mean being sqrt(sum d^2) / n.
-    return done_ < 2 ? std::nan("") : m.error * std::sqrt(double(layout_.crop.area())) / m.value;
+    if (done_ < 2) return std::nan("");
+    const Rect& crop = layout_.crop;
+    double deviation = 0, sum = 0;
+    for (uint32_t y = crop.y0; y < crop.y1; ++y)
+        for (uint32_t x = crop.x0; x < crop.x1; ++x) {
+            sum += double(luminance(mean({x, y})));
+            deviation += halfDeviation({x, y});
+        }
+    // E|X| of a normal deviate is sigma sqrt(2 / pi).
+    return std::sqrt(std::numbers::pi / 2) * deviation / sum;
 }
 
 bool Film::complete(uint32_t samples) const noexcept {

@@ -77,9 +77,10 @@ public:
     // Standard error of mean(), per channel: |even - odd| / 2, pooled (root mean square) over the 8 x 8 block of the pixel. 0 with one half
     // only.
     std::vector<Spectrum> standardError() const;
-    // Relative error of the picture: root mean square of the luminance's standard error over the mean luminance. NaN while there is none.
+    // Relative error of the picture: the average standard error of a pixel's luminance over the average luminance. The average, not the
+    // root mean square: a few fireflies must not speak for all pixels. NaN while there is none.
     double noise() const;
-    // Mean luminance over the crop, and its standard error from the two halves of 16 x 16 blocks (independent between pixels).
+    // Mean luminance over the crop, and its standard error from the halves of all pixels, which are independent of each other.
     struct Mean {
         double value = 0, error = 0;
     };
@@ -104,6 +105,7 @@ private:
     };
     std::size_t at(Pixel p) const noexcept { return std::size_t(p.y - layout_.crop.y0) * layout_.crop.width() + (p.x - layout_.crop.x0); }
     Spectrum value(std::size_t pixel, int firstLayer, int endLayer, int half) const noexcept; // half 2: both
+    double halfDeviation(Pixel) const noexcept; // |even - odd| / 2 in luminance: one standard error, from one degree of freedom
     void drop(Pixel, uint32_t sample) noexcept;
 
     FilmLayout layout_;

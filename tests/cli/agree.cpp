@@ -113,7 +113,7 @@ TEST_SUITE("agree") {
         CHECK(o.code == 1);
         CHECK(contains(o.out, "path:mis=off cannot tell yet: needs "));
         CHECK(contains(o.out, " more samples a pixel to see a bias of 1 %"));
-        CHECK(contains(o.err, "next     chiaro agree @cornell -i path:nee=off,path:mis=off --spp "));
+        CHECK(contains(o.err, "next     chiaro agree @cornell -i path:nee=off,path:mis=off --replicates 8 --size 24x24 "));
     }
 
     TEST_CASE("paths and depth restrict both sides") {

@@ -55,7 +55,7 @@ const IntegratorEntry stubborn = {"stubborn", "", specs, claims<false, true>,
 TEST_SUITE("rule") {
     TEST_CASE("what is wrong is called wrong twice, what is right passes") {
         const Stage furnace("@furnace");
-        const Design d{32, 16, 16, 0, 1};
+        const Design d{16, 16, 16, 0, 1};
         CHECK(compared(furnace, Entrant(chooseIntegrator("path")), d).stages == 1);
         const auto factor = [](const char* h) { return [h](Options& o) { o.set("h", h, "test"); }; };
         const Outcome one = compared(furnace, made(brighter, factor("0.1")), d); // 1 %
@@ -70,7 +70,7 @@ TEST_SUITE("rule") {
 
     TEST_CASE("a biased method passes within the margin, a consistent one by its limit") {
         const Stage furnace("@furnace");
-        const Design d{32, 16, 16, 0, 1};
+        const Design d{16, 16, 16, 0, 1};
         const auto factor = [](const char* h) { return [h](Options& o) { o.set("h", h, "test"); }; };
         CHECK(compared(furnace, made(biased, factor("0.05")), d).sound);       // 0.25 %
         CHECK_FALSE(compared(furnace, made(biased, factor("0.15")), d).sound); // 2.25 %

@@ -1,6 +1,7 @@
 // chiaro agree SCENE, or A.exr B.exr: do they agree? A statistical verdict, and an exit code.
 #include "io/replace_file.h"
 #include "tools/cli/agree_map.h"
+#include "tools/cli/agree_options.h"
 #include "tools/cli/agree_report.h"
 #include "tools/cli/diff.h"
 #include "tools/cli/report.h"
@@ -160,10 +161,13 @@ void tellNext(const AgreeSettings& s, const std::vector<AgreeRow>& rows, const C
         if (r.verdict == judge::Verdict::cannotTell && std::isfinite(r.judgement.moreSamples) && r.samples > 0)
             most = std::max(most, (r.samples + r.judgement.moreSamples) / s.replicates);
     if (most == 0 || most > 1e8) return;
-    std::string integrator;
-    if (s.base.arguments->given("integrator")) integrator = " -i " + shellQuoted(s.base.arguments->text("integrator"));
-    console.phase("next",
-                  fmt::format("chiaro agree {}{} --spp {:.0f}", shellQuoted(s.base.scene.operand), integrator, std::ceil(1.1 * most)));
+    std::string line = "chiaro agree " + shellQuoted(s.base.scene.operand);
+    for (const OptionRow& o : s.base.arguments->command->options) {
+        if (!s.base.arguments->given(o.name) || o.name == "spp" || o.name == "time" || o.group == agree_groups::output) continue;
+        line += o.letter ? fmt::format(" -{}", o.letter) : fmt::format(" --{}", o.name);
+        if (!o.metavar.empty()) line += " " + shellQuoted(s.base.arguments->text(o.name));
+    }
+    console.phase("next", fmt::format("{} --spp {:.0f}", line, std::ceil(1.1 * most)));
 }
 
 std::vector<std::string> fileNamesOf(const AgreeSettings& s) {

@@ -124,7 +124,7 @@ Verdicts (exit code: the worst of them)
 Columns
   bias, 95 % interval   of the mean luminance, relative to the reference
   sees                  the smallest bias of the mean that is found with 99 % probability
-  p image, tiles, pixels   of each family of tests; under agreement each is uniform
+  p image, tiles, pixels   of each family of tests: small where they differ (pixels on the safe side)
   samples               a pixel and side;  seconds: of rendering the integrator;  on: the light paths judged, in both renders
 Two pictures A.exr B.exr are judged by their error layers (those of `chiaro render`), which err on the safe side: no second stage.
 )";

@@ -57,15 +57,15 @@ Judgement judgeBiased(const Subject& subject, Judgement j, const AgreementSettin
         j.verdict = Verdict::differs;
         j.text = fmt::format("differs: does not converge over {} as its powers say (residual of the fit p = {:.2g})",
                              subject.traits.convergesOver, j.limit->fitP);
+    } else if (a.image.significant() && a.equivalenceP > s.alpha) {
+        j.verdict = Verdict::biased;
+        j.text = judge::describe(a, s) + of;
     } else if (j.limit && a.tiles.significant()) {
         j.verdict = Verdict::differs;
         j.text = fmt::format("differs{}: {} of {} tiles", of, a.tiles.rejected, a.tiles.tests);
     } else if (a.equivalenceP <= s.alpha) {
         j.verdict = Verdict::agrees;
         j.text = fmt::format("agrees{}: the bias lies within {:g} % (p = {:.2g})", of, 100 * s.margin, a.equivalenceP);
-    } else if (a.image.significant()) {
-        j.verdict = Verdict::biased;
-        j.text = judge::describe(a, s) + of;
     } else {
         j.verdict = Verdict::cannotTell;
         j.moreSamples = samplesToMargin(a, s);

@@ -51,7 +51,7 @@ void drawLegend(Canvas& canvas, uint32_t top, double scale, const FalseColorLege
         canvas.fill(x, y + bar, 1, 2 * s, inkColor);
         const std::string text = number(t * scale);
         const int64_t w = textWidth(text, s);
-        const int64_t start = std::clamp<int64_t>(x - w / 2, 0, std::max<int64_t>(int64_t(canvas.width) - w, 0));
+        const int64_t start = std::clamp<int64_t>(x - w / 2, 2 * s, int64_t(canvas.width) - w - 2 * s);
         drawText(canvas, start, y + bar + 4 * s, text, inkColor, s);
     }
 }
