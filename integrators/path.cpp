@@ -84,10 +84,10 @@ void Path::radiance(const Job& job, PathStart& start, Outputs& out) const noexce
     }
 }
 
-Traits traits(const Options&) {
+Traits traits(const Options& o) {
     Traits t;
     t.covers = "L (D|G|S)* E";
-    t.misses = "Ld S+ (D|G) .* E";
+    t.misses = o.boolean("nee") ? "Ld S+ (D|G) .* E" : "Ld .* E"; // a delta light is found by sampling it or not at all
     return t;
 }
 

@@ -10,7 +10,7 @@ namespace chiaro::test {
 namespace {
 
 constexpr double familyAlpha = 1e-3, margin = 0.01;
-constexpr uint32_t tileSize = 8, longFactor = 8, largeSize = 96;
+constexpr uint32_t tileSize = 8, longFactor = 8, largeSize = 64;
 constexpr uint64_t secondStageSeed = 100'000, liveSeed = 200'000;
 
 judge::AgreementSettings settings(uint32_t spp) {
@@ -218,7 +218,7 @@ void compareAll(std::string_view scene) {
         }
         for (const Entrant& e : entrants()) {
             check(row, e, d);
-            if (longTier()) check(row, e, {largeSize, d.spp, d.replicates / 2, 1, 0});
+            if (longTier()) check(row, e, {largeSize, d.spp, d.replicates / longFactor, 0, 0});
         }
     }
 }

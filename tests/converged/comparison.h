@@ -7,8 +7,8 @@
 // 1,000 at the first stage (Sidak over the comparisons); what is called wrong is rendered again with other seeds and four times the
 // replicates, and must be called wrong twice. Seeds are fixed: a red test stays red.
 //
-// Tiers: quick, 32x32, always; long, CHIARO_LONG=1 sh tools/test.sh -R converged: eight times the replicates, and a larger picture
-// against path replicates of its own size.
+// Tiers: quick, 32x32, always; long, CHIARO_LONG=1 sh tools/test.sh -R converged: eight times the replicates, and a 64x64 picture
+// against path replicates of its own size; about a quarter of an hour of processor time.
 #pragma once
 #include "core/render/path_classes.h"
 #include "integrators/registry.h"
