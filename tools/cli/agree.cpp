@@ -1,14 +1,15 @@
 // chiaro agree SCENE, or A.exr B.exr: do they agree? A statistical verdict, and an exit code.
-#include "io/replace_file.h"
 #include "tools/cli/agree_map.h"
 #include "tools/cli/agree_options.h"
 #include "tools/cli/agree_report.h"
+#include "tools/cli/deliver.h"
 #include "tools/cli/diff.h"
 #include "tools/cli/report.h"
 #include "tools/cli/signals.h"
 #include "tools/cli/unseen_paths.h"
 #include "tools/cli/version.h"
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -22,19 +23,7 @@ constexpr uint32_t standardWidth = 96;
 
 void checkOutputs(const AgreeSettings& s, const std::vector<std::string>& fileNames) {
     prepareMaps(s.outputs, fileNames);
-    for (const std::string& file : {s.csv, s.json})
-        if (!file.empty() && file != "-") checkWritable(file);
-}
-
-// To a file, or to stdout in place of the table.
-void deliver(const std::string& where, const std::string& content, const Console& console) {
-    if (where.empty()) return;
-    if (where == "-") {
-        fmt::print("{}", content);
-        return;
-    }
-    replaceFile(where, std::as_bytes(std::span(content)));
-    console.phase("wrote", where);
+    checkTextOutputs(std::array{s.csv, s.json});
 }
 
 void tell(const AgreeSettings& s, const std::vector<AgreeRow>& rows, Json head, int code, const Console& console) {

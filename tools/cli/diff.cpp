@@ -1,7 +1,9 @@
 #include "tools/cli/diff.h"
 #include "io/replace_file.h"
 #include "tools/cli/console.h"
+#include "tools/cli/deliver.h"
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -10,19 +12,7 @@ namespace {
 
 void checkOutputs(const DiffSettings& s) {
     for (const std::filesystem::path& file : s.pictures) checkWritable(file);
-    for (const std::string& file : {s.csv, s.json})
-        if (!file.empty() && file != "-") checkWritable(file);
-}
-
-// To a file, or to stdout in place of the text.
-void deliver(const std::string& where, const std::string& content, const Console& console) {
-    if (where.empty()) return;
-    if (where == "-") {
-        fmt::print("{}", content);
-        return;
-    }
-    replaceFile(where, std::as_bytes(std::span(content)));
-    console.phase("wrote", where);
+    checkTextOutputs(std::array{s.csv, s.json});
 }
 
 void deliverPictures(const DiffInputs& in, const Difference& d, const DiffSettings& s, const Console& console) {
