@@ -72,6 +72,7 @@ void pixelScale(Agreement& out, const Evidence& a, const Evidence& b, const Agre
     out.pixels.alpha = pixelShare * s.alpha;
     // A t tail is never below the normal one: a p that cannot matter is not worth its incomplete beta function.
     const double ignorable = normalQuantile(std::max(out.pixels.alpha, outlierP) / 2);
+    const bool decides = !a.pooled && !b.pooled;
     std::vector<double> p;
     for (std::size_t i = 0; i < a.pixels.size(); ++i) {
         if (std::isnan(a.pixels[i].mean) || std::isnan(b.pixels[i].mean)) continue;
@@ -79,7 +80,7 @@ void pixelScale(Agreement& out, const Evidence& a, const Evidence& b, const Agre
         const double floor = s.rounding * std::max(std::abs(x.mean), std::abs(y.mean));
         const double error = std::sqrt(x.error * x.error + y.error * y.error + floor * floor), difference = x.mean - y.mean;
         out.pixelZ[i] = difference == 0 ? 0.0f : float(std::clamp(difference / error, -1e30, 1e30));
-        if (identical(x, y)) continue;
+        if (!decides || identical(x, y)) continue;
         p.push_back(std::abs(difference) <= ignorable * error ? 1.0 : compared(x, y, s.rounding).p);
     }
     out.pixels.tests = p.size();
@@ -172,8 +173,9 @@ std::string describe(const Agreement& a, const AgreementSettings& s) {
                            meanName(a.strongest), 100 * s.confidence);
     }
     case Verdict::differs:
-        return fmt::format("differs: {} of {} tiles and {} of {} pixels, while the means agree within {:.2g} %", a.tiles.rejected,
-                           a.tiles.tests, a.pixels.rejected, a.pixels.tests, 100 * a.resolution);
+        return fmt::format("differs: {} of {} tiles{}, while the means agree within {:.2g} %", a.tiles.rejected, a.tiles.tests,
+                           a.pixels.tests ? fmt::format(" and {} of {} pixels", a.pixels.rejected, a.pixels.tests) : "",
+                           100 * a.resolution);
     case Verdict::cannotTell:
         return std::isfinite(a.moreSamples)
                    ? fmt::format("cannot tell yet: needs {:.0f} more samples a pixel to see a bias of {:g} % (now {:.2g} %)", a.moreSamples,

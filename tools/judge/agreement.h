@@ -7,6 +7,9 @@
 // agreement rejects anything at all with probability q). Tiles and pixels where both sides are exactly equal without any spread are no
 // tests. Equal designs (the same samples on both sides) keep the rule safe for the skewed samples of light transport.
 //
+// Pictures with error layers are judged by image and tiles alone: their errors are pooled over a neighbourhood, and one bright sample
+// would stand many pooled errors away from its neighbours in either picture.
+//
 // A method that is constant (Whitted) or a dark pixel has no spread: differences within `rounding` of the larger mean count as equal.
 #pragma once
 #include "tools/judge/replicates.h"

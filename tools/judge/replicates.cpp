@@ -116,6 +116,7 @@ Evidence evidenceOf(const Picture& p, const Region& region, const std::vector<ui
         throw Error(Exit::unsupported,
                     fmt::format("{}: no error layer; render it with one, or compare replicates of other seeds.", p.name));
     Evidence e = blank(p.width, p.height, tile);
+    e.pooled = true;
     const std::vector<uint8_t> keep = selected(p.width, p.height, region);
     struct Sum {
         double value = 0, variance = 0;

@@ -19,6 +19,7 @@ struct Evidence {
     double skewness = 0; // of the luminance means of the replicates
     double replicates = 1;
     std::size_t compared = 0; // pixels
+    bool pooled = false;      // the errors of pixels are those of their neighbourhood: no pixel can be tested alone
 };
 
 // Accumulates replicate after replicate: two doubles a pixel, and four a tile and replicate.
