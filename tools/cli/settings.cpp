@@ -1,4 +1,5 @@
 #include "tools/cli/settings.h"
+#include "scenes/builtin.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -57,6 +58,7 @@ RenderSettings readSettings(const Arguments& a) {
     s.integrator = readIntegrator(a);
     s.budget.spp = uint32_t(parseWhole("spp", a.text("spp"), 1, 1u << 31));
     if (a.given("time")) s.budget.seconds = parseDuration("time", a.text("time"));
+    if (const BuiltinScene* builtin = findBuiltin(s.scene.operand); builtin && !a.given("spp")) s.budget.spp = builtin->spp;
     // A time alone is the budget; the default number of samples would end it early.
     if (a.given("time") && !a.given("spp")) s.budget.spp = 1u << 31;
     if (a.given("max-depth")) s.paths.maxDepth = uint32_t(parseWhole("max-depth", a.text("max-depth"), 0, unlimitedDepth - 1));
