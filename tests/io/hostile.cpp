@@ -1,5 +1,4 @@
-// Malformed and hostile files, all made here: each gives exactly one clear line with the file, the place and the fix; none crashes or
-// hangs.
+// Malformed and hostile files, all made here: each gives one clear line with the file, the place and the fix; none crashes or hangs.
 #include "tests/io/gltf_builder.h"
 #include <doctest/doctest.h>
 #include <functional>

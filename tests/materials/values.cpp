@@ -17,9 +17,8 @@ double exact(double deg, double eta) { return fresnelDielectric(std::cos(degrees
 Vec3d spherical(double theta, double phi) {
     return {std::sin(degrees(theta)) * std::cos(degrees(phi)), std::sin(degrees(theta)) * std::sin(degrees(phi)), std::cos(degrees(theta))};
 }
-// Directional albedo of GGX with F(c), by midpoint quadrature over visible normals; transmitted: through the facets, separable or
-// correlated.
-template <class F> double reflected(double alpha, double mu, const F& f, bool correlated = true) {
+// The mean of share(o, h) over the visible normals h of GGX seen from o at cosine mu, by midpoint quadrature; finer towards grazing.
+template <class F> double overVisibleNormals(double alpha, double mu, const F& share) {
     const Ggx<double> g{alpha, alpha};
     const Vec3d o{std::sqrt(1 - mu * mu), 0, mu};
     constexpr int n = 400;
@@ -27,23 +26,22 @@ template <class F> double reflected(double alpha, double mu, const F& f, bool co
     for (int a = 0; a < n; ++a)
         for (int b = 0; b < n; ++b) {
             const double v = 1 - (b + 0.5) / n;
-            const Vec3d h = g.sampleVisible(o, {(a + 0.5) / n / 2, 1 - v * v * v}), i = reflect(o, h);
-            if (i.z > 0) sum += 3 * v * v * f(dot(o, h)) * (correlated ? g.g2(o, i) / g.g1(o) : g.g1(i));
+            sum += 3 * v * v * share(g, o, g.sampleVisible(o, {(a + 0.5) / n / 2, 1 - v * v * v}));
         }
     return sum / (n * n);
 }
+// Directional albedo with F(c), reflected; or refracted through the facets; masking separable or correlated.
+template <class F> double reflected(double alpha, double mu, const F& f, bool correlated = true) {
+    return overVisibleNormals(alpha, mu, [&](const Ggx<double>& g, const Vec3d& o, const Vec3d& h) {
+        const Vec3d i = reflect(o, h);
+        return i.z > 0 ? f(dot(o, h)) * (correlated ? g.g2(o, i) / g.g1(o) : g.g1(i)) : 0;
+    });
+}
 double refracted(double alpha, double mu, double eta) {
-    const Ggx<double> g{alpha, alpha};
-    const Vec3d o{std::sqrt(1 - mu * mu), 0, mu};
-    constexpr int n = 400;
-    double sum = 0;
-    for (int a = 0; a < n; ++a)
-        for (int b = 0; b < n; ++b) {
-            const double v = 1 - (b + 0.5) / n;
-            const Vec3d h = g.sampleVisible(o, {(a + 0.5) / n / 2, 1 - v * v * v}), i = refract(o, h, eta), m{i.x, i.y, -i.z};
-            if (i.z < 0) sum += 3 * v * v * (1 - fresnelDielectric(dot(o, h), eta)) * g.g2(o, m) / g.g1(o);
-        }
-    return sum / (n * n);
+    return overVisibleNormals(alpha, mu, [&](const Ggx<double>& g, const Vec3d& o, const Vec3d& h) {
+        const Vec3d i = refract(o, h, eta), m{i.x, i.y, -i.z};
+        return i.z < 0 ? (1 - fresnelDielectric(dot(o, h), eta)) * g.g2(o, m) / g.g1(o) : 0;
+    });
 }
 
 } // namespace
