@@ -50,6 +50,4 @@ Centres seenAtCentres(const Job& job) {
     return centres;
 }
 
-std::vector<float> depthLayer(const Job& job) { return seenAtCentres(job).depth; }
-
 } // namespace chiaro

@@ -1,6 +1,6 @@
-// The depth layer: planar distance along the viewing axis, metres, of what lies under each pixel's centre, through the middle of the lens,
-// when the shutter opens. Unfiltered, since an average of depths is no depth; +inf where nothing is. Alpha counts as a surface where its
-// opacity is at least one half.
+// What lies under the pixel centres. The depth layer: planar distance along the viewing axis, metres, of what lies under each pixel's
+// centre, through the middle of the lens, when the shutter opens. Unfiltered, since an average of depths is no depth; +inf where nothing
+// is. Alpha counts as a surface where its opacity is at least one half.
 #pragma once
 #include "core/render/integrator.h"
 #include <vector>
@@ -13,6 +13,5 @@ struct Centres {
     std::vector<uint8_t> lamp; // 1 where the surface is a light
 };
 Centres seenAtCentres(const Job&);
-std::vector<float> depthLayer(const Job&);
 
 } // namespace chiaro
