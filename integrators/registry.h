@@ -10,6 +10,8 @@ struct Traits {
     bool lightTransport = true; // makes a picture of light; false: a debug view
     bool unbiased = true;
     bool splats = false;
+    bool deterministic = false;          // the same picture for every seed and any number of samples at the same positions
+    bool usesPrepass = false;            // takes its indirect term from a pre-pass where there is one
     std::string covers = "L (D|G|S)* E"; // the light paths it sees, in the grammar of --paths
     std::string misses;                  // those it cannot find by construction; empty: none
     // Of a consistent but biased method: the option h > 0 with which its bias vanishes as a sum of powers of h. It is judged by answers at

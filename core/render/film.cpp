@@ -39,7 +39,7 @@ double fromFixed(Int128 v) noexcept { return double(v) * 0x1p-48; }
 
 std::size_t FilmLayout::bytes() const noexcept {
     const std::size_t planes = std::max<std::size_t>(1, layers.size());
-    return crop.area() * (planes * (sizeof(Int128) * 6 + (splats ? sizeof(int64_t) * 18 : 0)) + sizeof(int64_t) * 6 + 12);
+    return crop.area() * (planes * (sizeof(Int128) * 6 + (splats ? sizeof(int64_t) * 18 : 0)) + sizeof(int64_t) * (costs ? 9 : 6) + 12);
 }
 
 Spectrum Outputs::total() const noexcept {
@@ -51,6 +51,7 @@ Spectrum Outputs::total() const noexcept {
 Film::Film(const FilmLayout& layout)
     : layout_(layout), planes_(int(std::max<std::size_t>(1, layout.layers.size()))), sums_(layout.crop.area() * planes_),
       aovs_(layout.crop.area()), counts_(layout.crop.area()) {
+    if (layout.costs) costs_.resize(layout.crop.area());
     if (layout.splats) splats_ = std::make_unique<Digits[]>(layout.crop.area() * planes_);
 }
 
@@ -77,6 +78,11 @@ void Film::add(Pixel p, uint32_t sample, const Outputs& out) noexcept {
     if (!good) return drop(p, sample);
     const int half = int(sample & 1);
     ++counts.kept[half];
+    if (!costs_.empty()) {
+        costs_[i][0] += uint64_t(double(out.microseconds) * 1e3);
+        costs_[i][1] += out.rays + 1;
+        costs_[i][2] += out.depth;
+    }
     for (int l = 0; l < planes_; ++l)
         for (int c = 0; c < 3; ++c) {
             Int128& sum = sums_[i + std::size_t(l) * layout_.crop.area()].half[half][c];
@@ -144,6 +150,13 @@ Spectrum Film::aov(Pixel p, Aov which) const noexcept {
     const auto& a = aovs_[at(p)];
     const auto value = [&](int c) { return float(double(a[std::size_t(3 * int(which) + c)]) / aovUnit / n); };
     return {value(0), value(1), value(2)};
+}
+
+Cost Film::cost(Pixel p) const noexcept {
+    const double n = count(p);
+    if (n == 0 || costs_.empty()) return {};
+    const auto& c = costs_[at(p)];
+    return {float(double(c[0]) / 1e3 / n), float(double(c[1]) / n), float(double(c[2]) / n)};
 }
 
 uint32_t Film::count(Pixel p) const noexcept {
@@ -224,6 +237,8 @@ void Film::merge(const Film& other) {
         counts_[i].next = std::max(counts_[i].next, other.counts_[i].next);
         for (int h = 0; h < 2; ++h) counts_[i].kept[h] += other.counts_[i].kept[h];
         for (std::size_t c = 0; c < 6; ++c) aovs_[i][c] += other.aovs_[i][c];
+        if (!costs_.empty() && !other.costs_.empty())
+            for (std::size_t c = 0; c < 3; ++c) costs_[i][c] += other.costs_[i][c];
     }
     if (splats_)
         for (std::size_t i = 0; i < sums_.size(); ++i)

@@ -4,6 +4,7 @@
 #pragma once
 #include "core/math/ray.h"
 #include "core/render/path_classes.h"
+#include "core/render/path_log.h"
 #include <array>
 #include <atomic>
 #include <memory>
@@ -23,12 +24,17 @@ inline constexpr float fixedLimit = 0x1p36f;
 enum class Half : uint8_t { even, odd };
 enum class Aov : uint8_t { albedo, normal };
 inline constexpr int aovCount = 2;
+// What a sample costs: microseconds of one thread, rays traced (shadow rays too), depth of its longest path.
+struct Cost {
+    float microseconds = 0, rays = 0, depth = 0;
+};
 
 struct FilmLayout {
     uint32_t width = 0, height = 0;  // of the whole picture
     Rect crop;                       // the part that this film holds
     std::vector<std::string> layers; // names of the layers 1, 2, ...; empty: beauty alone
     bool splats = false;
+    bool costs = false;                 // keep the cost of every pixel
     std::size_t bytes() const noexcept; // that a film of this layout takes
 };
 
@@ -39,12 +45,20 @@ public:
     Spectrum layer[maxLayers]; // used up to the layout's count; without layers everything is in 0
     Spectrum aovs[aovCount];
     uint32_t lightPaths = 0; // shot for this sample; summed into the film's divisor of splats
+    uint32_t rays = 0;       // traced for this sample beyond the first
+    uint32_t depth = 0;      // scatterings of its longest path
+    float microseconds = 0;  // set by the tile loop where the film keeps costs
+    PathLog* log = nullptr;  // who wants to see the path
 
     explicit Outputs(const FilmLayout& layout) noexcept : last_(layout.layers.empty() ? 0 : uint8_t(layout.layers.size() - 1)) {}
     void add(Layer l, const Spectrum& v) noexcept {
         if (l != 0) layer[last_ == 0 ? 0 : l - 1] += v;
     }
     void aov(Aov which, const Spectrum& v) noexcept { aovs[int(which)] = v; }
+    void traced(uint32_t n, uint32_t atDepth) noexcept {
+        rays += n;
+        depth = depth > atDepth ? depth : atDepth;
+    }
     int layers() const noexcept { return last_ + 1; }
     Spectrum total() const noexcept;
 
@@ -73,6 +87,7 @@ public:
     Spectrum mean(Pixel, int layer) const noexcept; // layer: index into layout().layers
     Spectrum halfMean(Pixel, Half) const noexcept;
     Spectrum aov(Pixel, Aov) const noexcept;
+    Cost cost(Pixel) const noexcept; // mean of a sample
     uint32_t count(Pixel) const noexcept;
     // Standard error of mean(), per channel: |even - odd| / 2, pooled (root mean square) over the 8 x 8 block of the pixel. 0 with one half
     // only.
@@ -113,6 +128,7 @@ private:
     std::vector<Sums> sums_;                   // plane by plane
     std::vector<std::array<int64_t, 6>> aovs_; // multiples of 2^-30
     std::vector<Counts> counts_;
+    std::vector<std::array<uint64_t, 3>> costs_; // nanoseconds, rays, depths; empty: not kept
     std::unique_ptr<Digits[]> splats_;
     double lightPaths_[2] = {};
     uint32_t done_ = 0;

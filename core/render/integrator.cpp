@@ -1,10 +1,12 @@
 #include "core/render/integrator.h"
 #include "core/render/fault.h"
 #include <array>
+#include <chrono>
 
 namespace chiaro {
 namespace {
 
+using Clock = std::chrono::steady_clock;
 constexpr std::size_t mostStarts = 256;
 
 // Memory of one thread for one batch: kept between tiles, since 256 outputs with layers are 100 KB.
@@ -45,7 +47,8 @@ void traceFirst(const Job& job, PathStart& start) noexcept {
 class TileLoop {
 public:
     TileLoop(const Job& job, const Pass& pass, Film& film, Batch batch, const Starts& how)
-        : job_(job), pass_(pass), film_(film), batch_(batch), how_(how), most_(std::clamp<std::size_t>(how.width, 1, mostStarts)) {
+        : job_(job), pass_(pass), film_(film), batch_(batch), how_(how),
+          most_(film.layout().costs ? 1 : std::clamp<std::size_t>(how.width, 1, mostStarts)) { // a clock looks at one sample at a time
         thread_local const std::unique_ptr<Room> room = std::make_unique<Room>();
         room_ = room.get();
     }
@@ -69,10 +72,12 @@ private:
     void flush() {
         const std::size_t n = std::exchange(count_, 0);
         if (n == 0) return;
+        const auto begin = film_.layout().costs ? Clock::now() : Clock::time_point{};
         for (std::size_t i = 0; i < n; ++i) room_->rays[i] = starts()[i].ray;
         job_.scene.intersect({room_->rays.data(), n}, {room_->hits.data(), n}, true);
         for (std::size_t i = 0; i < n; ++i) starts()[i].first = room_->hits[i];
         batch_({starts(), n}, {outputs(), n});
+        if (film_.layout().costs) outputs()[0].microseconds = std::chrono::duration<float, std::micro>(Clock::now() - begin).count();
         for (std::size_t i = 0; i < n; ++i) film_.add(starts()[i].pixel, starts()[i].sample, outputs()[i]);
     }
 

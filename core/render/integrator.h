@@ -26,8 +26,10 @@ struct Work { // all that a pre-pass may use: no view
     Diagnostics& notes;
     std::size_t memoryLimit = ~std::size_t(0);
 };
+class Prepass;
 struct Job : Work { // one render, constant from prepare to the last pass
     const View& view;
+    const Prepass* prepass = nullptr; // the indirect term of the integrators that have room for one (core/render/prepass.h)
 };
 // The pixels that take part in a pass; null in Pass: all.
 class SampleMask {

@@ -33,6 +33,7 @@ struct Instance {
     uint32_t firstGeometry = 0, geometryCount = 0; // of the mesh
     std::vector<uint32_t> firstLights;             // one a geometry; ~0u: not a light
     bool flipped = false;                          // negative determinant: the front is the clockwise side of the stored winding
+    uint32_t motion = ~0u;                         // of the scene; ~0u: at rest
 };
 
 // The opacity of cut-out geometry at a hit (its t is not set), in [0, 1]. A ray passes with probability 1 - opacity, by a hash of the ray

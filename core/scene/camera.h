@@ -4,18 +4,35 @@
 #pragma once
 #include "core/math/ray.h"
 #include "core/scene/desc.h"
+#include "core/scene/motion.h"
+#include <optional>
 
 namespace chiaro {
 
 class Scene;
+struct SurfacePoint;
+
+// How a point is seen: a light path that ends there adds flux x f |cos| x importance to the mean of the pixels around `raster`, spread by
+// the reconstruction filter.
+struct CameraConnection {
+    Point2 raster;        // not cut at the frame: a filter reaches over it
+    Vec3 wi;              // from the point towards the lens
+    float importance = 0; // draster / domega / distance^2 over the density of the lens point: 1/m2
+    Ray shadow;           // trace it with Scene::occluded
+};
 
 class Camera {
 public:
     Camera() = default;
     // The view of a description on a picture of width x height pixels. Where the aspects differ, the vertical angle is kept.
     Camera(const CameraDesc&, uint32_t width, uint32_t height);
-    // lens: uniform in the unit square, unused by a pinhole.
+    // lens: uniform in the unit square, unused by a pinhole. The lens is that of an ideal thin lens: rays of all lens points through one
+    // raster position meet on the plane of focus (Cook, Porter, Carpenter 1984).
     Ray ray(Point2 raster, Point2 lens, float time) const noexcept;
+    // The same pixel seen from a point of the scene, at the point's time; empty: behind the camera.
+    std::optional<CameraConnection> importance(const SurfacePoint& from, Point2 lens) const noexcept;
+    bool hasLens() const noexcept { return lensRadius_ > 0; }
+    bool moves() const noexcept { return !motion_.keys().empty(); }
     Footprint footprint() const noexcept { return footprint_; } // of one pixel
     // Planar depth: the distance along the viewing axis.
     float depth(const Vec3& p) const noexcept;
@@ -27,6 +44,9 @@ private:
     Vec3 position_, axis_{0, 0, -1}, right_{1, 0, 0}, up_{0, 1, 0};
     float width_ = 1, height_ = 1, halfX_ = 1, halfY_ = 1; // half extents on the plane at distance 1
     Footprint footprint_;
+    float lensRadius_ = 0, focus_ = 1, lensRotation_ = 0;
+    int blades_ = 0;
+    Motion motion_; // no keys: at rest
 };
 
 // A camera that shows all of the scene: three-quarter view from the front, slightly above, 40 degrees.

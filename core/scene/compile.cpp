@@ -200,6 +200,7 @@ void SceneCompiler::lights() {
 
 std::unique_ptr<const Scene> SceneCompiler::run(const std::string& isa) {
     scene_->name_ = desc_.name;
+    scene_->shutter_ = desc_.shutter;
     materials();
     centre();
     place();

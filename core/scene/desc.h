@@ -2,7 +2,7 @@
 // consumes it. Plain vectors and indexes; every default is that of glTF 2.0. Units: metres, radians, seconds; light in photometric units
 // (point and spot candela, directional lux, emission cd/m2). World axes are glTF's: right-handed, +Y up, cameras and lights look along -Z.
 #pragma once
-#include "core/math/vec.h"
+#include "core/math/ray.h"
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -76,13 +76,24 @@ struct MeshDesc {
     std::string name;
     std::vector<PrimitiveDesc> primitives;
 };
+// Where a thing is while the shutter is open: its maps to the world at equal steps of time, the first at the opening, the last at the
+// closing. Fewer than two: it rests. Between steps translation and stretch go linearly, rotation along the great arc (core/scene/motion.h).
+using MotionDesc = std::vector<Affine>;
 struct InstanceDesc {
     int mesh = -1;
-    Affine toWorld;
+    Affine toWorld; // of a moving one: at the opening of the shutter
     std::string name;
+    MotionDesc motion = {};
 };
 
 enum class Projection : uint8_t { perspective, orthographic };
+// A thin lens: everything on the plane at `focus` metres along the viewing axis is sharp. Its opening is a disc, or a regular polygon.
+struct LensDesc {
+    double radius = 0;   // metres; 0: a pinhole
+    double focus = 1;    // metres
+    int blades = 0;      // corners of the polygon; below 3: a disc
+    double rotation = 0; // of the polygon, radians counter-clockwise seen from the scene
+};
 struct CameraDesc {
     std::string name;
     Projection projection = Projection::perspective;
@@ -90,6 +101,8 @@ struct CameraDesc {
     double aspect = 0;         // width / height; 0: that of the picture
     double xmag = 1, ymag = 1; // half extents of an orthographic view
     Affine toWorld;
+    MotionDesc motion = {};
+    LensDesc lens = {};
 };
 
 enum class PunctualKind : uint8_t { point, spot, directional };
@@ -100,6 +113,7 @@ struct PunctualDesc {
     double range = 0;      // KHR_lights_punctual cut-off in metres; 0: none
     double innerCone = 0, outerCone = 0.7853981633974483;
     Affine toWorld; // scale does not change the light
+    MotionDesc motion = {};
 };
 
 struct EnvironmentDesc {
@@ -119,6 +133,7 @@ struct SceneDesc {
     std::vector<CameraDesc> cameras;
     std::vector<PunctualDesc> lights;
     std::optional<EnvironmentDesc> environment;
+    Interval shutter; // what the motions cover, seconds; rays carry times within it
 };
 
 } // namespace chiaro

@@ -4,6 +4,7 @@
 #pragma once
 #include "core/math/distribution.h"
 #include "core/math/ray.h"
+#include "core/math/sampler.h"
 #include "core/render/events.h"
 #include "core/scene/desc.h"
 #include <optional>
@@ -32,6 +33,33 @@ struct LightHit {
     explicit operator bool() const noexcept { return !black(radiance); }
 };
 
+// A ray that leaves a light, as particle methods begin their paths: drawn in proportion to the power of the light and, as far as that is
+// known, to what it sends from where to where.
+struct LightEmission {
+    Ray ray;
+    Spectrum flux;            // Le |cos| / (pmf pdfA pdfW), lumen: what the particle carries if it is the only one
+    float pmf = 0;            // of choosing the light
+    float pdfA = 0, pdfW = 0; // of the position, per square metre, and of the direction, per steradian; 1 for what is fixed
+    float cosine = 1;         // at the emitter; 1 where it has no surface
+    LightKind kind = LightKind::area;
+    uint32_t light = ~0u;
+};
+// With which densities the strategies would have found the same emission: emit(), and sampleTowards() from the other end.
+struct EmissionPdf {
+    float pmf = 0, pdfA = 0, pdfW = 0; // of emit()
+    float pdfDirectW = 0;              // of sampleTowards(), per steradian at the receiver, choice included; 0 without a receiver
+};
+
+// A light as the classics see it: one position, and what goes out from it. The triangles of one emissive mesh are one lamp.
+struct Lamp {
+    LightKind kind = LightKind::area;
+    Vec3 centre;                   // of its area; of the light itself where it is punctual
+    Vec3 normal;                   // of a flat mesh; zero: shines everywhere alike
+    Spectrum intensity;            // cd along the normal, or everywhere; of a directional light, lux
+    bool doubleSided = false;      // of a flat mesh
+    uint32_t first = 0, count = 1; // its lights: numbers for sampleOne
+};
+
 struct LightInfo {
     std::string name; // of the light or of its material
     const char* kind; // "point", "spot", "directional", "mesh", "environment"
@@ -54,6 +82,16 @@ public:
     LightHit hit(const SurfacePoint& emitter, const Vec3& wo, const SurfacePoint* from) const noexcept;
     LightHit miss(const Ray&, const SurfacePoint* from) const noexcept;
 
+    // A particle: uFrom picks the light and the point on it (for the environment the point on a disc across the scene), uTowards the
+    // direction.
+    std::optional<LightEmission> emit(const PickAndPoint& uFrom, const PickAndPoint& uTowards, float time) const noexcept;
+    // Of an emissive surface at a hit, towards wo, received at `to` (null: nowhere).
+    EmissionPdf emissionPdf(const SurfacePoint& emitter, const Vec3& wo, const SurfacePoint* to) const noexcept;
+    // Of the environment along a ray that missed, which left `from` (null: nowhere).
+    EmissionPdf emissionPdf(const Ray&, const SurfacePoint* from) const noexcept;
+
+    // Every light as one position; the environment, which has none, is left out. In the order of the lights.
+    std::vector<Lamp> lamps() const;
     std::vector<LightInfo> describe() const;
     double power() const noexcept { return power_; } // lumen
 
@@ -67,6 +105,7 @@ private:
         float error = 0, power = 0;
         uint32_t geometry = 0, triangle = 0, instance = Hit::none, material = 0;
         bool doubleSided = false;
+        uint32_t motion = none; // of its instance; the corners above are then those of the mesh itself, unmoved
     };
     struct Punctual {
         PunctualKind kind = PunctualKind::point;
@@ -75,6 +114,7 @@ private:
         float range = 0, scale = 0, offset = 0; // KHR_lights_punctual: clamp(cos * scale + offset)^2
         double power = 0;
         std::string name;
+        uint32_t motion = none; // of the scene; p and axis are then those at the opening of the shutter
     };
     struct Environment {
         int width = 0, height = 0;

@@ -5,6 +5,7 @@
 #include "core/math/ray.h"
 #include "core/scene/desc.h"
 #include "core/scene/lights.h"
+#include "core/scene/motion.h"
 #include "core/scene/texture.h"
 #include <memory>
 #include <span>
@@ -71,6 +72,8 @@ public:
 
     std::span<const CameraDesc> cameras() const noexcept { return cameras_; } // recentred like everything else
     const std::string& name() const noexcept { return name_; }
+    Interval shutter() const noexcept { return shutter_; }
+    const Motion& motion(uint32_t id) const noexcept { return motions_[id]; }
     Vec3d centre() const noexcept { return centre_; } // world position of our origin
     float radius() const noexcept { return radius_; } // of the sphere about the origin that holds all geometry
     const SceneCounts& counts() const noexcept { return counts_; }
@@ -87,6 +90,8 @@ private:
     Lights lights_;
     std::vector<Geometry> geometries_; // those of the top level first, in world space; then those of instanced meshes
     std::vector<Instance> instances_;
+    std::vector<Motion> motions_; // of instances and punctual lights
+    Interval shutter_;
     std::unique_ptr<Accel> accel_;
     Vec3d centre_;
     float radius_ = 1;
