@@ -53,6 +53,21 @@ enum class Fault : uint8_t {
     pixelCorner,
     seedsShared,
     sumsInFloat,
+    // lens and importance
+    lensNotUniform,
+    focusAlongRay,
+    importanceCosine,
+    emittedFluxBias,
+    adjointMissing,
+    // motion
+    shutterStuck,
+    motionByMatrix,
+    // ray trees
+    branchUnweighted,
+    lampShadowsItself,
+    shadowUntinted,
+    splitUnweighted,
+    occlusionUniform,
     count
 };
 

@@ -2,6 +2,7 @@
 #include "core/render/fault.h"
 #include <array>
 #include <chrono>
+#include <cmath>
 
 namespace chiaro {
 namespace {
@@ -19,6 +20,12 @@ struct Room {
 
 uint64_t pathIndex(Pixel p) noexcept { return fault(Fault::seedsShared) ? 0 : uint64_t(p.y) << 32 | p.x; }
 
+// One shift for all the samples of a pixel keeps their distances (Cranley and Patterson 1976).
+Point2 shiftedAround(Point2 p, uint64_t bits) noexcept {
+    const float x = p.x + float(bits >> 40) * 0x1p-24f, y = p.y + float(bits & 0xffffff) * 0x1p-24f;
+    return {x - std::floor(x), y - std::floor(y)};
+}
+
 PathStart makeStart(const Job& job, Pixel pixel, uint32_t sample, Point2 raster, Sampler sampler, std::optional<float> at) noexcept {
     const float u = sampler.get1D();
     const float time = at ? *at : job.shutter.open + u * (job.shutter.close - job.shutter.open);
@@ -28,11 +35,13 @@ PathStart makeStart(const Job& job, Pixel pixel, uint32_t sample, Point2 raster,
 
 PathStart pixelStart(const Job& job, Pixel pixel, uint32_t sample, const Starts& how) noexcept {
     Sampler sampler(job.seed, job.sampler, Stream::pixel, pathIndex(pixel), sample);
-    const Point2 filtered = job.view.filter.sample(sampler.get2D());
+    const Point2 u = sampler.get2D(), filtered = job.view.filter.sample(u);
     const float centre = fault(Fault::pixelCorner) ? 0.f : 0.5f;
     Point2 raster{float(pixel.x) + centre + filtered.x, float(pixel.y) + centre + filtered.y};
     if (!how.pattern.empty()) {
-        const Point2 p = how.pattern[sample % how.pattern.size()];
+        Point2 p = how.pattern[sample % how.pattern.size()];
+        p = {p.x + (u.x - 0.5f) * how.jitter, p.y + (u.y - 0.5f) * how.jitter};
+        if (how.shifted) p = shiftedAround(p, hashCombine(job.seed, pathIndex(pixel)));
         raster = {float(pixel.x) + p.x, float(pixel.y) + p.y};
     }
     return makeStart(job, pixel, sample, raster, sampler, how.time);

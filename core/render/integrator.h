@@ -67,6 +67,8 @@ PathStart startPath(const Job&, Point2 raster, Sampler) noexcept;
 
 struct Starts {
     std::span<const Point2> pattern; // positions in the pixel, (0,0) its corner; empty: the filter decides
+    float jitter = 0;                // of a pattern: the side of the square about a position in which the sample is moved at random
+    bool shifted = false;            // of a pattern: moved as a whole in every pixel, at random and around its edges
     std::optional<float> time;       // one time for all; empty: over the shutter
     uint32_t width = 256;            // most starts in a batch
     bool whole = false;              // an iteration begun is finished, whatever the stop token says

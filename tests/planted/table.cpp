@@ -48,7 +48,8 @@ TEST_SUITE("planted-table") {
     TEST_CASE("every fault is planted in one row, and no fault is on by itself") {
         CHECK(plantedFault == Fault::none);
         std::multiset<Fault> all;
-        for (const auto rows : {plantedLights(), plantedTransport(), plantedMaterials(), plantedSurfaces(), plantedFilm()})
+        for (const auto rows : {plantedLights(), plantedTransport(), plantedMaterials(), plantedSurfaces(), plantedFilm(), plantedLens(),
+                                plantedMotion(), plantedWhitted(), plantedDistributed()})
             for (const PlantedRow& row : rows) all.insert(row.fault);
         for (int f = 1; f < int(Fault::count); ++f) {
             CAPTURE(f);

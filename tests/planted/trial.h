@@ -83,6 +83,10 @@ std::span<const PlantedRow> plantedTransport();
 std::span<const PlantedRow> plantedMaterials();
 std::span<const PlantedRow> plantedSurfaces();
 std::span<const PlantedRow> plantedFilm();
+std::span<const PlantedRow> plantedLens();
+std::span<const PlantedRow> plantedMotion();
+std::span<const PlantedRow> plantedWhitted();
+std::span<const PlantedRow> plantedDistributed();
 
 // Every check passes without a fault; every fault is found by its check, with more samples until it is, and the table is printed.
 void catchAll(std::span<const PlantedRow>);
