@@ -1,4 +1,5 @@
 #include "io/gltf.h"
+#include "io/gltf_animation.h"
 #include "io/gltf_file.h"
 #include <fmt/format.h>
 #include <new>
@@ -39,23 +40,25 @@ void parseModel(GltfFile& file) {
             file.fail(fmt::format("/{}", key), "has an entry that tinygltf cannot read. Export the file again.");
 }
 
-SceneDesc convert(const GltfFile& file, const GltfOptions& options) {
+SceneDesc convert(const GltfFile& file, const GltfOptions& options, GltfContents* found) {
     SceneDesc scene;
     scene.name = file.path.stem().string();
-    Conversion to{file, options, scene, {}, {}, {}, {}, {}};
+    scene.shutter = options.shutter;
+    const Animations animations(file, options.animation);
+    if (found) found->animations = animations.info();
+    Conversion to{file, options, animations, scene, {}, {}, {}, {}, {}, {}};
     to.meshes.assign(list(file, "meshes").size(), -1);
     to.materials.assign(list(file, "materials").size(), -1);
     to.textures.assign(list(file, "textures").size(), -1);
     to.images.assign(list(file, "images").size(), -1);
     for (const Bytes& buffer : file.buffers) to.bufferBytes += buffer.size();
     convertNodes(to);
-    if (!list(file, "animations").empty()) file.warn("has animations, which are not applied.");
     return scene;
 }
 
 } // namespace
 
-SceneDesc readGltf(const std::filesystem::path& path, const GltfOptions& options, Diagnostics& notes) {
+SceneDesc readGltf(const std::filesystem::path& path, const GltfOptions& options, Diagnostics& notes, GltfContents* found) {
     GltfFile file;
     file.path = path;
     file.name = path.string();
@@ -69,7 +72,7 @@ SceneDesc readGltf(const std::filesystem::path& path, const GltfOptions& options
         checkAccessors(file);
         checkNodes(file);
         parseModel(file);
-        return convert(file, options);
+        return convert(file, options, found);
     } catch (const std::bad_alloc&) {
         throw Error(Exit::resources, fmt::format("{}: does not fit into memory. Split the scene.", file.name));
     } catch (const nlohmann::json::exception& e) {

@@ -6,18 +6,38 @@
 #include "core/render/error.h"
 #include "core/scene/desc.h"
 #include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
 
 namespace chiaro {
 
 enum class MissingTexture { error, grey };
 struct GltfOptions {
     MissingTexture missingTexture =
-        MissingTexture::error; // grey: an absent or undecodable picture becomes one mid-grey texel, with a warning
+        MissingTexture::error;  // grey: an absent or undecodable picture becomes one mid-grey texel, with a warning
+    double frameTime = 0;       // of the animation, seconds
+    Interval shutter = {};      // relative to it; an instant: nothing moves, everything stands where it is at the opening
+    std::string animation = {}; // its name or number, "all" together (the first that names a target counts), "none"; empty: the first
+};
+
+// What people are told about an animation.
+struct AnimationInfo {
+    std::string name;
+    double seconds = 0;                     // of its last key
+    std::map<std::string, size_t> channels; // how many, by what they animate
+    bool used = false;
+};
+struct GltfContents {
+    std::vector<AnimationInfo> animations;
 };
 
 // The default scene of the file (else its first one, else all root nodes). Instances, cameras and lights come in the order of the node
-// traversal, so the first camera is the one that is meant. Units, axes and light conventions are those of core/scene/desc.h.
-// Throws Error: Exit::file for a missing, unreadable or malformed file, Exit::unsupported for a required extension that cannot be honoured.
-SceneDesc readGltf(const std::filesystem::path& file, const GltfOptions& options, Diagnostics& notes);
+// traversal, so the first camera is the one that is meant. Units, axes and light conventions are those of core/scene/desc.h. Animated nodes
+// stand where they are at options.frameTime; over an open shutter what they carry gets as many steps of motion as follow its way closely.
+// found: filled with what the scene does not hold.
+// Throws Error: Exit::file for a missing, unreadable or malformed file, Exit::unsupported for a required extension that cannot be honoured,
+// Exit::usage for an animation that is not there.
+SceneDesc readGltf(const std::filesystem::path& file, const GltfOptions& options, Diagnostics& notes, GltfContents* found = nullptr);
 
 } // namespace chiaro

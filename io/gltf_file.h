@@ -1,7 +1,8 @@
 // Inside the glTF reader: a file taken apart and checked. What is in a GltfFile can be used without further thought about ranges: every
 // index points to something, every accessor lies inside its buffer, the node graph is a forest. Steps, each in a file of its own:
 // gltf_container (bytes -> JSON + binary chunk), gltf_schema (types, numbers, references), gltf_uri + gltf_buffers (bytes of the buffers),
-// gltf_accessor (ranges, then values), gltf_nodes (graph, placement), gltf_mesh, gltf_material, gltf_images (conversion), gltf (the order).
+// gltf_accessor (ranges, then values), gltf_animation (channels), gltf_nodes (graph, placement), gltf_path (motion), gltf_mesh,
+// gltf_material, gltf_images (conversion), gltf (the order).
 #pragma once
 #include "io/file_bytes.h"
 #include "io/gltf.h"
@@ -78,13 +79,17 @@ std::vector<float> readFloats(const GltfFile& file, size_t accessor); // count x
 std::vector<uint32_t> readIndices(const GltfFile& file, size_t accessor);
 // nodes
 void checkNodes(const GltfFile& file); // cycles, two parents, depth, matrices
+class Animations;                      // io/gltf_animation.h
 // What conversion has built so far: glTF index -> index in the description, -1 not yet used.
 struct Conversion {
     const GltfFile& file;
     const GltfOptions& options;
+    const Animations& animations;
     SceneDesc& scene;
     std::vector<int> meshes, materials, textures, images;
-    std::vector<int> missing; // images of the description that are stand-ins
+    std::vector<int> missing;  // images of the description that are stand-ins
+    std::vector<double> radii; // of the description's meshes about their origins; -1: not yet known
+    bool uneven = false;       // a path was too wild for the steps that there are
     uint64_t bufferBytes = 0, verticesRead = 0, vertices = 0, indices = 0, imageBytes = 0;
 };
 void convertNodes(Conversion& to);

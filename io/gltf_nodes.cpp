@@ -1,6 +1,10 @@
+#include "core/scene/motion.h"
+#include "io/gltf_animation.h"
 #include "io/gltf_file.h"
+#include "io/gltf_path.h"
 #include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <utility>
 
 namespace chiaro::gltf {
 
@@ -30,12 +34,13 @@ bool isRotation(const std::array<double, 4>& q) {
     return size > 1e-12 && std::isfinite(size);
 }
 
-Affine localTransform(const GltfFile& file, size_t index) {
+Affine localTransform(const GltfFile& file, size_t index, const Animations& animations, double seconds) {
     const tinygltf::Node& node = file.model.nodes[index];
     if (node.matrix.empty()) {
-        const auto q = numbers<4>(node.rotation, {0, 0, 0, 1});
-        if (!isRotation(q)) file.fail(fmt::format("/nodes/{}/rotation", index), "is no quaternion. Export the file again.");
-        return compose(numbers<3>(node.translation, {0, 0, 0}), q, numbers<3>(node.scale, {1, 1, 1}));
+        Trs trs{numbers<3>(node.translation, {0, 0, 0}), numbers<4>(node.rotation, {0, 0, 0, 1}), numbers<3>(node.scale, {1, 1, 1})};
+        animations.apply(index, seconds, trs);
+        if (!isRotation(trs.rotation)) file.fail(fmt::format("/nodes/{}/rotation", index), "is no quaternion. Export the file again.");
+        return compose(trs.translation, trs.rotation, trs.scale);
     }
     const auto& m = node.matrix; // column-major
     if (std::abs(m[3]) > 1e-6 || std::abs(m[7]) > 1e-6 || std::abs(m[11]) > 1e-6 || std::abs(m[15] - 1) > 1e-6)
@@ -80,17 +85,53 @@ std::optional<Affine> rigid(const Affine& a) {
     return r;
 }
 
-void addInstance(Conversion& to, size_t index, int mesh, const Affine& world) {
+// The same all along a path. Where the scale is zero, the axes of the last sound place stand in; empty: there is none.
+std::optional<Path> rigid(const Path& path) {
+    std::optional<Affine> last;
+    for (size_t i = 0; i < path.maps().size() && !last; ++i) last = rigid(path[i]);
+    if (!last) return {};
+    return path.each([&](const Affine& m) {
+        if (const auto sound = rigid(m)) return *(last = sound);
+        for (int i = 0; i < 3; ++i) last->m[i][3] = m.m[i][3];
+        return *last;
+    });
+}
+
+// How many steps a thing of this size needs along the path; says once where they do not suffice.
+size_t segments(Conversion& to, size_t index, const Path& path, double radius) {
+    const Segments s = segmentsFor(path, radius);
+    if (s.off > 1e-2 && !std::exchange(to.uneven, true))
+        to.file.warn(
+            fmt::format("/nodes/{} jumps or turns too fast while the shutter is open: in {} steps its blur is off by {:.2g} of its way "
+                        "and size. Shorten --shutter.",
+                        index, Motion::mostKeys - 1, s.off));
+    return s.count;
+}
+
+// Of a mesh, about its own origin.
+double radiusOf(Conversion& to, int mesh) {
+    to.radii.resize(to.scene.meshes.size(), -1);
+    double& radius = to.radii[size_t(mesh)];
+    if (radius >= 0) return radius;
+    radius = 0;
+    for (const PrimitiveDesc& p : to.scene.meshes[size_t(mesh)].primitives)
+        for (const Vec3& v : p.positions) radius = std::max(radius, length(cast<double>(v)));
+    return radius;
+}
+
+void addInstance(Conversion& to, size_t index, int mesh, const Path& path, size_t steps) {
     const std::string place = fmt::format("/nodes/{}", index);
-    if (!finite(world)) to.file.fail(place, "places its mesh beyond 1e18 m, or not at a number. Mend the transforms and export it again.");
-    if (singular(world)) return to.file.warn(place + " has a scale of zero; its mesh is not drawn.");
+    const auto& maps = path.maps();
+    if (!std::all_of(maps.begin(), maps.end(), finite))
+        to.file.fail(place, "places its mesh beyond 1e18 m, or not at a number. Mend the transforms and export it again.");
+    if (std::all_of(maps.begin(), maps.end(), singular)) return to.file.warn(place + " has a scale of zero; its mesh is not drawn.");
     if (to.scene.instances.size() >= maxInstances)
         to.file.fail(place, fmt::format("brings the scene above {} instances. Split the scene.", maxInstances));
-    to.scene.instances.push_back({mesh, world, to.file.model.nodes[index].name});
+    to.scene.instances.push_back({mesh, path.opening(), to.file.model.nodes[index].name, motionAlong(path, steps)});
 }
 
 // EXT_mesh_gpu_instancing: one instance for each element of its accessors, inside the node's own frame.
-void addInstances(Conversion& to, size_t index, int mesh, const Affine& world, const json& attributes) {
+void addInstances(Conversion& to, size_t index, int mesh, const Path& path, const json& attributes) {
     const GltfFile& file = to.file;
     size_t count = 0;
     std::vector<float> values[3];
@@ -109,16 +150,23 @@ void addInstances(Conversion& to, size_t index, int mesh, const Affine& world, c
             file.fail(place, fmt::format("brings the scene above {} instances. Split the scene.", maxInstances));
         values[k] = readFloats(file, accessor);
     }
+    std::vector<Affine> locals;
+    double radius = 0; // of all of them together
     for (size_t i = 0; i < count; ++i) {
         const auto q = numbers<4>(values[1], {0, 0, 0, 1}, i * 4);
         if (!isRotation(q))
             file.fail(fmt::format("/nodes/{}/extensions/EXT_mesh_gpu_instancing/attributes/ROTATION", index),
                       fmt::format("element {} is no quaternion. Export the file again.", i));
-        addInstance(to, index, mesh, world * compose(numbers<3>(values[0], {0, 0, 0}, i * 3), q, numbers<3>(values[2], {1, 1, 1}, i * 3)));
+        const auto t = numbers<3>(values[0], {0, 0, 0}, i * 3), s = numbers<3>(values[2], {1, 1, 1}, i * 3);
+        locals.push_back(compose(t, q, s));
+        const double scale = std::max(std::abs(s[0]), std::max(std::abs(s[1]), std::abs(s[2])));
+        radius = std::max(radius, std::hypot(t[0], t[1], t[2]) + scale * radiusOf(to, mesh));
     }
+    const size_t steps = segments(to, index, path, radius);
+    for (const Affine& local : locals) addInstance(to, index, mesh, path.each([&](const Affine& m) { return m * local; }), steps);
 }
 
-void addCamera(Conversion& to, size_t index, const Affine& world) {
+void addCamera(Conversion& to, size_t index, const Path& path) {
     const tinygltf::Node& node = to.file.model.nodes[index];
     const json& from = list(to.file, "cameras")[size_t(node.camera)];
     const std::string& type = from["type"].get_ref<const std::string&>();
@@ -142,13 +190,14 @@ void addCamera(Conversion& to, size_t index, const Affine& world) {
         if (!(camera.xmag > 0 && camera.ymag > 0)) to.file.fail(place + "/orthographic", "has an extent of zero. Export the file again.");
         camera.aspect = camera.xmag / camera.ymag;
     }
-    const auto frame = rigid(world);
-    if (!frame) return to.file.warn(fmt::format("/nodes/{} has a scale of zero; its camera is left out.", index));
-    camera.toWorld = *frame;
+    const auto frames = rigid(path);
+    if (!frames) return to.file.warn(fmt::format("/nodes/{} has a scale of zero; its camera is left out.", index));
+    camera.toWorld = frames->opening();
+    camera.motion = motionAlong(*frames, segments(to, index, *frames, 0));
     to.scene.cameras.push_back(std::move(camera));
 }
 
-void addLight(Conversion& to, size_t index, const Affine& world, const json& from, const std::string& place) {
+void addLight(Conversion& to, size_t index, const Path& path, const json& from, const std::string& place) {
     PunctualDesc light;
     const std::string &kind = from["type"].get_ref<const std::string&>(), nodeName = to.file.model.nodes[index].name;
     light.name = from.value("name", nodeName);
@@ -173,16 +222,20 @@ void addLight(Conversion& to, size_t index, const Affine& world, const json& fro
             to.file.warn(fmt::format("{}/spot has cones {} and {}, must be 0 <= inner < outer <= pi/2; {} and {} are used.", place, inner,
                                      outer, light.innerCone, light.outerCone));
     }
-    Affine position;
-    for (int i = 0; i < 3; ++i) position.m[i][3] = world.m[i][3];
-    const auto frame = rigid(world);
-    if (!frame && light.kind != PunctualKind::point)
+    const auto frames = rigid(path);
+    if (!frames && light.kind != PunctualKind::point)
         return to.file.warn(fmt::format("/nodes/{} has a scale of zero; its light is left out.", index));
-    light.toWorld = frame.value_or(position);
+    const Path way = frames.value_or(path.each([](const Affine& m) {
+        Affine position;
+        for (int i = 0; i < 3; ++i) position.m[i][3] = m.m[i][3];
+        return position;
+    }));
+    light.toWorld = way.opening();
+    light.motion = motionAlong(way, segments(to, index, way, 0));
     to.scene.lights.push_back(std::move(light));
 }
 
-void convertNode(Conversion& to, size_t index, const Affine& world) {
+void convertNode(Conversion& to, size_t index, const Path& path) {
     const GltfFile& file = to.file;
     const tinygltf::Node& node = file.model.nodes[index];
     const json& extensions = file.json["nodes"][index].value("extensions", json::object());
@@ -192,17 +245,18 @@ void convertNode(Conversion& to, size_t index, const Affine& world) {
         if (to.scene.meshes[size_t(mesh)].primitives.empty()) {
             // nothing to draw; the mesh said why
         } else if (extensions.contains("EXT_mesh_gpu_instancing")) {
-            addInstances(to, index, mesh, world, extensions["EXT_mesh_gpu_instancing"]["attributes"]);
+            addInstances(to, index, mesh, path, extensions["EXT_mesh_gpu_instancing"]["attributes"]);
         } else {
-            addInstance(to, index, mesh, world);
+            addInstance(to, index, mesh, path, segments(to, index, path, radiusOf(to, mesh)));
         }
     }
-    if ((node.camera >= 0 || !extensions.empty()) && !finite(world))
+    const bool isFinite = std::all_of(path.maps().begin(), path.maps().end(), finite);
+    if ((node.camera >= 0 || !extensions.empty()) && !isFinite)
         file.fail(fmt::format("/nodes/{}", index), "lies beyond 1e18 m. Mend the transforms and export it again.");
-    if (node.camera >= 0) addCamera(to, index, world);
+    if (node.camera >= 0) addCamera(to, index, path);
     if (extensions.contains("KHR_lights_punctual")) {
         const size_t light = extensions["KHR_lights_punctual"]["light"];
-        addLight(to, index, world, file.json["extensions"]["KHR_lights_punctual"]["lights"][light],
+        addLight(to, index, path, file.json["extensions"]["KHR_lights_punctual"]["lights"][light],
                  fmt::format("/extensions/KHR_lights_punctual/lights/{}", light));
     }
 }
@@ -270,17 +324,32 @@ void checkNodes(const GltfFile& file) {
         if (!seen[i]) file.fail(fmt::format("/nodes/{}", i), "is its own ancestor. Export the file again.");
 }
 
+namespace {
+
+// Under a parent that moves or by its own animation, over the shutter; else as it is at the opening.
+Path pathOf(const Conversion& to, size_t index, const Path& parent) {
+    const Interval shutter = to.options.shutter;
+    const double open = to.options.frameTime + double(shutter.open), length = double(shutter.close) - double(shutter.open);
+    const auto local = [&](double seconds) { return localTransform(to.file, index, to.animations, seconds); };
+    if (!(length > 0) || (parent.rests() && !to.animations.moves(index))) return Path({parent.opening() * local(open)});
+    std::vector<Affine> maps;
+    for (size_t i = 0; i < Path::samples; ++i) maps.push_back(parent[i] * local(open + length * double(i) / double(Path::samples - 1)));
+    return Path(std::move(maps));
+}
+
+} // namespace
+
 void convertNodes(Conversion& to) {
-    std::vector<std::pair<size_t, Affine>> open;
+    std::vector<std::pair<size_t, Path>> open;
     const std::vector<size_t> first = roots(to.file);
-    for (auto it = first.rbegin(); it != first.rend(); ++it) open.emplace_back(*it, Affine{});
+    for (auto it = first.rbegin(); it != first.rend(); ++it) open.emplace_back(*it, Path());
     while (!open.empty()) { // depth first, children in their order
         const auto [index, parent] = open.back();
         open.pop_back();
-        const Affine world = parent * localTransform(to.file, index);
-        convertNode(to, index, world);
+        const Path path = pathOf(to, index, parent);
+        convertNode(to, index, path);
         const auto& children = to.file.model.nodes[index].children;
-        for (auto it = children.rbegin(); it != children.rend(); ++it) open.emplace_back(size_t(*it), world);
+        for (auto it = children.rbegin(); it != children.rend(); ++it) open.emplace_back(size_t(*it), path);
     }
 }
 

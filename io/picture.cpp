@@ -46,6 +46,20 @@ template <class F> std::vector<Spectrum> perPixel(const Rect& window, F&& value)
     return all;
 }
 
+void addCosts(Picture& picture, const Film& film) {
+    for (const char* name : {"cost.time", "cost.rays", "cost.depth"}) picture.add(name);
+    const auto planes = picture.planes.end() - 3;
+    const Rect& window = picture.window;
+    std::size_t i = 0;
+    for (uint32_t y = window.y0; y < window.y1; ++y)
+        for (uint32_t x = window.x0; x < window.x1; ++x, ++i) {
+            const Cost cost = film.cost({x, y});
+            planes[0][i] = cost.microseconds;
+            planes[1][i] = cost.rays;
+            planes[2][i] = cost.depth;
+        }
+}
+
 Metadata readAttributes(const OIIO::ImageSpec& spec) {
     Metadata all;
     for (const OIIO::ParamValue& p : spec.extra_attribs) {
@@ -77,18 +91,21 @@ const MetadataValue* Picture::attribute(std::string_view name) const {
     return at == metadata.end() ? nullptr : &at->second;
 }
 
-Picture pictureOf(const Film& film, std::span<const float> depth) {
+Picture pictureOf(const Film& film, std::span<const float> depth, FirstHitLayers firstHit) {
     const FilmLayout& layout = film.layout();
     Picture picture{.width = layout.width, .height = layout.height, .window = layout.crop, .names = {}, .planes = {}, .metadata = {}};
     const Rect& window = layout.crop;
     addColor(picture, {"R", "G", "B"}, perPixel(window, [&](Pixel p) { return film.mean(p); }));
-    addColor(picture, {"albedo.R", "albedo.G", "albedo.B"}, perPixel(window, [&](Pixel p) { return film.aov(p, Aov::albedo); }));
-    addColor(picture, {"normal.X", "normal.Y", "normal.Z"}, perPixel(window, [&](Pixel p) { return film.aov(p, Aov::normal); }));
+    if (firstHit.albedo)
+        addColor(picture, {"albedo.R", "albedo.G", "albedo.B"}, perPixel(window, [&](Pixel p) { return film.aov(p, Aov::albedo); }));
+    if (firstHit.normal)
+        addColor(picture, {"normal.X", "normal.Y", "normal.Z"}, perPixel(window, [&](Pixel p) { return film.aov(p, Aov::normal); }));
     if (!depth.empty()) picture.add("Z").assign(depth.begin(), depth.end());
     addColor(picture, {"error.R", "error.G", "error.B"}, film.standardError());
     std::vector<float>& samples = picture.add("samples");
     for (std::size_t i = 0; i < samples.size(); ++i)
         samples[i] = float(film.count({window.x0 + uint32_t(i % window.width()), window.y0 + uint32_t(i / window.width())}));
+    if (layout.costs) addCosts(picture, film);
     for (std::size_t l = 0; l < layout.layers.size(); ++l) {
         const std::string &name = layout.layers[l], r = name + ".R", g = name + ".G", b = name + ".B";
         addColor(picture, {r.c_str(), g.c_str(), b.c_str()}, perPixel(window, [&](Pixel p) { return film.mean(p, int(l)); }));

@@ -1,8 +1,8 @@
 // Pictures as Chiaro writes them: multi-layer float32 OpenEXR (linear Rec.709, 1.0 = 1 cd/m2, zip) that carries the recipe of the render as
 // attributes "chiaro:...", and 8-bit PNG for the screen. Layers are named as tev groups them: R G B; albedo.R ...; normal.X ...; Z; error.R
-// ...; samples. A crop is the data window inside the display window.
-// Equal renders give equal bytes but for chiaro:seconds: no file holds a date. Files are replaced whole (io/replace_file.h).
-// Errors: Error(Exit::file) or Error(Exit::resources) for a full disk, with the path and the system's reason.
+// ...; samples; cost.time (microseconds of one thread a sample), cost.rays, cost.depth where the film kept them. A crop is the data window
+// inside the display window. Equal renders give equal bytes but for chiaro:seconds: no file holds a date. Files are replaced whole
+// (io/replace_file.h). Errors: Error(Exit::file) or Error(Exit::resources) for a full disk, with the path and the system's reason.
 #pragma once
 #include "core/render/film.h"
 #include <cstdint>
@@ -32,8 +32,12 @@ struct Picture {
     const MetadataValue* attribute(std::string_view name) const;
 };
 
+// Which of the first hit's layers a picture carries; Z by its values.
+struct FirstHitLayers {
+    bool albedo = true, normal = true;
+};
 // The beauty and all layers of a film. depth: planar, one value a pixel of the crop (+inf on a miss), or empty for no Z.
-Picture pictureOf(const Film& film, std::span<const float> depth);
+Picture pictureOf(const Film& film, std::span<const float> depth, FirstHitLayers = {});
 
 void writeExr(const std::filesystem::path& file, const Picture& picture);
 // rgb: three bytes a pixel of the crop, already encoded for the display. srgb: whether that display is sRGB (the file then says so).

@@ -21,14 +21,16 @@ Bsdf::Bsdf(const BsdfParameters& parameters, const Vec3& ng, const Vec3& ns, con
     const bool outside = dot(ng, wo) >= 0 || fault(Fault::backNormalKept);
     ng_ = outside ? ng : -ng;
     Vec3 n = outside ? ns : -ns;
-    const bool importance = transport == Transport::importance, bent = !(n == ng_);
-    if (bent && !importance) n = facing(n, ng_, wo);
+    if (!(n == ng_)) {
+        if (transport == Transport::importance) {
+            adjoint_ = Adjoint{parameters, n, wo, outside};
+            if (dot(n, wo) <= 0) n = ng_; // light from below the horizon of ns is seen only where a camera path bends ns
+        } else {
+            n = facing(n, ng_, wo);
+        }
+    }
     frame_ = Frame::about(n);
-    const Vec3 local = frame_.toLocal(wo);
-    // Light that arrives from below the shading normal's horizon is what a camera path refuses to sample: nothing, so that both agree.
-    if (bent && importance && local.z <= 0) return;
-    lobes_ = Lobes(parameters, local, outside, transport);
-    if (bent && importance) adjoint_ = lobes_.wo().z / std::max(dot(ng_, wo), 1e-7f);
+    lobes_ = Lobes(parameters, frame_.toLocal(wo), outside, transport);
 }
 
 // Reflection stays on the geometric side of wo and transmission leaves it: no light leaks through a smooth-shaded wall.
@@ -37,22 +39,14 @@ bool Bsdf::sides(const Vec3& wi, const Vec3& local) const noexcept {
     return local.z > 0 ? g > 0 : g < 0;
 }
 
-// Veach 1997, section 5.3: importance scatters by f |wo.ns| |wi.ng| / (|wo.ng| |wi.ns|), here wo is where the light comes from.
-float Bsdf::correction(const Vec3& wi, float cosI) const noexcept {
-    return adjoint_ == 0 ? 1 : adjoint_ * absDot(wi, ng_) / std::max(std::fabs(cosI), 1e-7f);
-}
+namespace {
 
-BsdfValue Bsdf::evaluate(const Vec3& wi, Terms terms) const noexcept {
+BsdfValue valueOf(const LobeValue& v, float scale, bool reflected, Terms terms) noexcept {
     BsdfValue value;
-    const Vec3 local = frame_.toLocal(wi);
-    if (!sides(wi, local)) return value;
-    const LobeValue v = lobes_.evaluate(local);
-    if (v.pdfW == 0) return value;
     value.pdfW = v.pdfW;
     value.pdfReverseW = v.pdfReverseW;
-    const float scale = correction(wi, local.z);
     const Spectrum d = v.diffuse * scale, g = v.glossy * scale;
-    const Event glossy = local.z > 0 ? Event::GR : Event::GT;
+    const Event glossy = reflected ? Event::GR : Event::GT;
     if (terms == Terms::together || black(g) || black(d)) {
         value.terms[value.n++] = {d + g, luminance(g) > luminance(d) ? glossy : Event::DR};
     } else {
@@ -62,19 +56,80 @@ BsdfValue Bsdf::evaluate(const Vec3& wi, Terms terms) const noexcept {
     return value;
 }
 
+} // namespace
+
+// The reflection that swaps ns and ng: what a lobe about ns sends below the surface returns to where its horizon hides the surface.
+Vec3 Bsdf::swapped(const Vec3& w) const noexcept {
+    const Vec3 m = frame_.z - ng_;
+    const float l = lengthSquared(m);
+    return l > 0 ? w - m * (2 * dot(w, m) / l) : w;
+}
+
+// Veach 1997, section 5.3: importance scatters by f |wo.ns| |wi.ng| / (|wo.ng| |wi.ns|), here wo is where the light comes from.
+float Bsdf::correction(const Vec3& wi) const noexcept {
+    if (!adjoint_ || fault(Fault::adjointMissing)) return 1;
+    return absDot(adjoint_->wo, frame_.z) * absDot(wi, ng_) /
+           (std::max(dot(adjoint_->wo, ng_), 1e-7f) * std::max(absDot(wi, frame_.z), 1e-7f));
+}
+
+// f of the closure that the camera path has here: about the normal that it turns towards wi where wi does not see ns. The density is that
+// of sampleAdjoint().
+BsdfValue Bsdf::evaluateAdjoint(const Vec3& wi, Terms terms) const noexcept {
+    const Adjoint& a = *adjoint_;
+    const float g = dot(wi, ng_), side = g > 0 ? 1.f : -1.f;
+    if (g == 0) return {};
+    const Vec3 n = facing(a.ns * side, ng_ * side, wi) * side;
+    const float o = dot(a.wo, n);
+    if (!(o > 0)) return {};
+    const Vec3 local = frame_.toLocal(wi);
+    const bool same = n == frame_.z, drawn = local.z * side > 0;
+    LobeValue v = lobes_.evaluate(drawn ? local : frame_.toLocal(swapped(wi)));
+    if (!same) {
+        const Frame frame = Frame::about(n);
+        const float pdfW = v.pdfW;
+        v = Lobes(a.parameters, frame.toLocal(a.wo), a.outside, Transport::importance).evaluate(frame.toLocal(wi));
+        v.pdfW = pdfW;
+    }
+    const float scale =
+        fault(Fault::adjointMissing) ? 1 : o * std::fabs(g) / (std::max(dot(a.wo, ng_), 1e-7f) * std::max(std::fabs(local.z), 1e-7f));
+    return valueOf(v, scale, side > 0, terms);
+}
+
+BsdfValue Bsdf::evaluate(const Vec3& wi, Terms terms) const noexcept {
+    if (adjoint_) return evaluateAdjoint(wi, terms);
+    const Vec3 local = frame_.toLocal(wi);
+    if (!sides(wi, local)) return {};
+    const LobeValue v = lobes_.evaluate(local);
+    return v.pdfW == 0 ? BsdfValue{} : valueOf(v, 1, local.z > 0, terms);
+}
+
+// A direction on the wrong side of the surface is swapped to the right one, so that every direction that scatters light can be drawn.
+std::optional<BsdfSample> Bsdf::sampleAdjoint(const LobeSample& s) const noexcept {
+    BsdfSample r{frame_.toWorld(s.wi), Spectrum(0), 0, 0, false, s.event};
+    if (!sides(r.wi, s.wi)) r.wi = swapped(r.wi);
+    const BsdfValue v = evaluateAdjoint(r.wi, Terms::together);
+    if (!(v.pdfW > 0)) return {};
+    r.weight = v.f() * (absDot(r.wi, frame_.z) / v.pdfW);
+    r.pdfW = v.pdfW;
+    r.pdfReverseW = v.pdfReverseW;
+    return r;
+}
+
 std::optional<BsdfSample> Bsdf::sample(float uLobe, Point2 u) const noexcept {
     const std::optional<LobeSample> s = lobes_.sample(uLobe, u);
     if (!s) return {};
+    const bool delta = s->event == Event::SR || s->event == Event::ST;
+    if (adjoint_ && !delta) return sampleAdjoint(*s);
     BsdfSample r{frame_.toWorld(s->wi), s->weight, s->pmf, s->pmfReverse, true, s->event};
     if (!sides(r.wi, s->wi)) return {};
-    const float scale = correction(r.wi, s->wi.z);
-    if (s->event == Event::SR || s->event == Event::ST) {
-        r.weight = r.weight * (scale / s->pmf);
+    if (delta) {
+        if (adjoint_ && !(adjoint_->ns == frame_.z)) return {};
+        r.weight = r.weight * (correction(r.wi) / s->pmf);
         return r;
     }
     const LobeValue v = lobes_.evaluate(s->wi);
     if (!(v.pdfW > 0)) return {};
-    r.weight = (v.diffuse + v.glossy) * (scale * std::fabs(s->wi.z) / v.pdfW);
+    r.weight = (v.diffuse + v.glossy) * (std::fabs(s->wi.z) / v.pdfW);
     r.pdfW = v.pdfW;
     r.pdfReverseW = v.pdfReverseW;
     r.delta = false;
@@ -83,10 +138,11 @@ std::optional<BsdfSample> Bsdf::sample(float uLobe, Point2 u) const noexcept {
 
 DeltaBranches Bsdf::deltaSplit() const noexcept {
     DeltaBranches branches;
+    if (adjoint_ && !(adjoint_->ns == frame_.z)) return branches;
     for (const LobeSample& s : {lobes_.mirror(), lobes_.passed()}) {
         if (black(s.weight)) continue;
         const Vec3 wi = frame_.toWorld(s.wi);
-        if (sides(wi, s.wi)) branches.b[branches.n++] = {wi, s.weight * correction(wi, s.wi.z), s.event};
+        if (sides(wi, s.wi)) branches.b[branches.n++] = {wi, s.weight * correction(wi), s.event};
     }
     return branches;
 }

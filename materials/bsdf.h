@@ -6,7 +6,8 @@
 // zero. pdfW is per steradian and belongs to the whole mixture of smooth lobes and delta lobes; pdfReverseW is the density of sampling wo
 // having come from wi. A sample's weight is f |cos| / pdf, for a delta lobe the lobe's reflectance divided by its pmf. With
 // Transport::radiance a transmitted f is that of the basic radiance's camera side (eta squared, Veach 1997 section 5.2); shading-normal
-// corrections (Veach 1997, section 5.3) live here too, so that no integrator can forget them.
+// corrections (Veach 1997, section 5.3) live here too, so that no integrator can forget them: where importance travels, f is that of the
+// camera path which takes the same way backwards, times |wo.ns| |wi.ng| / (|wo.ng| |wi.normal()|).
 #pragma once
 #include "core/math/ray.h"
 #include "core/render/events.h"
@@ -64,12 +65,21 @@ public:
     const Vec3& normal() const noexcept { return frame_.z; } // the shading normal in use, on the side of wo
 
 private:
-    float correction(const Vec3& wi, float cosI) const noexcept;
+    // Importance over a shading normal that is not the geometric one: what the closure of the camera path that comes along wi is made from.
+    struct Adjoint {
+        BsdfParameters parameters;
+        Vec3 ns, wo; // ns on the side of wo by the geometric normal
+        bool outside = true;
+    };
     bool sides(const Vec3& wi, const Vec3& local) const noexcept;
+    BsdfValue evaluateAdjoint(const Vec3& wi, Terms) const noexcept;
+    std::optional<BsdfSample> sampleAdjoint(const LobeSample&) const noexcept;
+    float correction(const Vec3& wi) const noexcept;
+    Vec3 swapped(const Vec3& w) const noexcept;
 
-    Frame frame_;       // about the shading normal, z on the side of wo
-    Vec3 ng_;           // on the side of wo
-    float adjoint_ = 0; // |wo.ns| / |wo.ng| where importance travels over a shading normal that is not the geometric one, else 0
+    Frame frame_; // about the shading normal, z on the side of wo
+    Vec3 ng_;     // on the side of wo
+    std::optional<Adjoint> adjoint_;
     Lobes lobes_;
 };
 

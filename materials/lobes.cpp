@@ -211,6 +211,7 @@ std::optional<LobeSample> Lobes::sample(float uLobe, Point2 u) const noexcept {
 }
 
 Spectrum Lobes::albedo() const noexcept {
+    if (!reflects_ && passes_ == Passes::none) return diffuseAlbedo();
     if (!rough_) return diffuseAlbedo() + split(wo_.z, outside_).r + split(wo_.z, outside_).t;
     const LayerAlbedo e = (coated_ ? slice_ : AlbedoSlice(alpha_, ior_)).at(wo_.z);
     const Spectrum layer = atLeast0(Spectrum(1) - open(e)), metal = metalColor_ * (e.one - e.shape) + Spectrum(metallic_ * e.shape);

@@ -1,5 +1,6 @@
 #include "core/render/fault.h"
 #include "materials/bsdf.h"
+#include "materials/surface_parameters.h"
 
 namespace chiaro {
 namespace {
@@ -44,7 +45,10 @@ Vec3 shadingNormal(const Scene& scene, const MaterialDesc& m, const SurfacePoint
 Spectrum rgb(const Vec4& v) noexcept { return {v.x, v.y, v.z}; }
 float clamped(float x) noexcept { return clamp01(x); }
 
-BsdfParameters parameters(const Scene& scene, const MaterialDesc& m, const SurfacePoint& s) noexcept {
+} // namespace
+
+BsdfParameters surfaceParameters(const Scene& scene, const SurfacePoint& s) noexcept {
+    const MaterialDesc& m = scene.material(s.material);
     BsdfParameters p;
     if (m.unlit) {
         p.baseColor = Spectrum(0);
@@ -66,6 +70,8 @@ BsdfParameters parameters(const Scene& scene, const MaterialDesc& m, const Surfa
     return p;
 }
 
+namespace {
+
 // The volume material behind the back face at s, where a segment along w (leaving s) runs on that side; null: outside, or no volume.
 const MaterialDesc* inside(const Scene& scene, const SurfacePoint* s, const Vec3& w) noexcept {
     if (s == nullptr || dot(s->ng, w) >= 0) return nullptr;
@@ -77,7 +83,7 @@ const MaterialDesc* inside(const Scene& scene, const SurfacePoint* s, const Vec3
 
 Bsdf shade(const Scene& scene, const SurfacePoint& s, const Vec3& wo, const Footprint&, Wavelengths&, Transport transport) noexcept {
     const MaterialDesc& m = scene.material(s.material);
-    return Bsdf(parameters(scene, m, s), s.ng, shadingNormal(scene, m, s), wo, transport);
+    return Bsdf(surfaceParameters(scene, s), s.ng, shadingNormal(scene, m, s), wo, transport);
 }
 
 Spectrum segmentTransmittance(const Scene& scene, const SurfacePoint* from, const Vec3& wi, const SurfacePoint* to,

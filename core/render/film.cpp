@@ -92,7 +92,7 @@ void Film::add(Pixel p, uint32_t sample, const Outputs& out) noexcept {
     for (int a = 0; a < aovCount; ++a)
         for (int c = 0; c < 3; ++c)
             aovs_[i][std::size_t(3 * a + c)] +=
-                int64_t(std::nearbyint(double(std::clamp(out.aovs[a][std::size_t(c)], -1.f, 1.f)) * aovUnit));
+                std::llrint(double(std::clamp(out.aovs[a][std::size_t(c)], -1.f, 1.f)) * aovUnit); // to nearest, ties to even
 }
 
 void Film::splat(Pixel p, Layer layer, const Spectrum& v, Half half) noexcept {

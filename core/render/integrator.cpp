@@ -26,25 +26,43 @@ Point2 shiftedAround(Point2 p, uint64_t bits) noexcept {
     return {x - std::floor(x), y - std::floor(y)};
 }
 
+// Numbers that nobody asks for are skipped, not drawn: the others keep their dimensions.
 PathStart makeStart(const Job& job, Pixel pixel, uint32_t sample, Point2 raster, Sampler sampler, std::optional<float> at) noexcept {
-    const float u = sampler.get1D();
-    const float time = at ? *at : job.shutter.open + u * (job.shutter.close - job.shutter.open);
-    const Point2 lens = sampler.get2D();
+    const float open = job.shutter.open, length = job.shutter.close - open;
+    float time = at ? *at : open;
+    if (at || length == 0)
+        sampler.skip(1);
+    else
+        time = open + sampler.get1D() * length;
+    Point2 lens;
+    if (job.view.camera.hasLens())
+        lens = sampler.get2D();
+    else
+        sampler.skip(2);
     return {pixel, sample, job.view.camera.ray(raster, lens, time), job.view.camera.footprint(), {}, sampler, {}};
+}
+
+Point2 filteredPosition(const Filter& filter, Pixel pixel, Point2 u) noexcept {
+    const Point2 filtered = filter.sample(u);
+    const float centre = fault(Fault::pixelCorner) ? 0.f : 0.5f;
+    return {float(pixel.x) + centre + filtered.x, float(pixel.y) + centre + filtered.y};
 }
 
 PathStart pixelStart(const Job& job, Pixel pixel, uint32_t sample, const Starts& how) noexcept {
     Sampler sampler(job.seed, job.sampler, Stream::pixel, pathIndex(pixel), sample);
-    const Point2 u = sampler.get2D(), filtered = job.view.filter.sample(u);
-    const float centre = fault(Fault::pixelCorner) ? 0.f : 0.5f;
-    Point2 raster{float(pixel.x) + centre + filtered.x, float(pixel.y) + centre + filtered.y};
-    if (!how.pattern.empty()) {
-        Point2 p = how.pattern[sample % how.pattern.size()];
-        p = {p.x + (u.x - 0.5f) * how.jitter, p.y + (u.y - 0.5f) * how.jitter};
-        if (how.shifted) p = shiftedAround(p, hashCombine(job.seed, pathIndex(pixel)));
-        raster = {float(pixel.x) + p.x, float(pixel.y) + p.y};
+    if (how.pattern.empty()) {
+        const Point2 raster = filteredPosition(job.view.filter, pixel, sampler.get2D());
+        return makeStart(job, pixel, sample, raster, sampler, how.time);
     }
-    return makeStart(job, pixel, sample, raster, sampler, how.time);
+    Point2 p = how.pattern[sample % how.pattern.size()];
+    if (how.jitter == 0) {
+        sampler.skip(2);
+    } else {
+        const Point2 u = sampler.get2D();
+        p = {p.x + (u.x - 0.5f) * how.jitter, p.y + (u.y - 0.5f) * how.jitter};
+    }
+    if (how.shifted) p = shiftedAround(p, hashCombine(job.seed, pathIndex(pixel)));
+    return makeStart(job, pixel, sample, {float(pixel.x) + p.x, float(pixel.y) + p.y}, sampler, how.time);
 }
 
 void traceFirst(const Job& job, PathStart& start) noexcept {

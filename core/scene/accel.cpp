@@ -64,6 +64,28 @@ uint32_t identity(const Ray& r) noexcept {
     return uint32_t(hashCombine(hashCombine(pair(r.o.x, r.o.y), pair(r.o.z, r.time)), hashCombine(pair(r.d.x, r.d.y), pair(r.d.z, 0))));
 }
 
+// The keys as Embree wants them: as decompositions, so that it turns along the great arc as Motion does.
+void setMotion(RTCGeometry instance, const Motion& motion) {
+    const std::span<const Motion::Key> keys = motion.keys();
+    rtcSetGeometryTimeStepCount(instance, unsigned(keys.size()));
+    for (unsigned i = 0; i < keys.size(); ++i) {
+        const Motion::Key& k = keys[i];
+        const auto stretch = [&k](int row, int column) { return float(k.stretch[row][column]); };
+        RTCQuaternionDecomposition d;
+        rtcInitQuaternionDecomposition(&d);
+        rtcQuaternionDecompositionSetScale(&d, stretch(0, 0), stretch(1, 1), stretch(2, 2));
+        rtcQuaternionDecompositionSetSkew(&d, stretch(0, 1), stretch(0, 2), stretch(1, 2));
+        rtcQuaternionDecompositionSetQuaternion(&d, float(k.rotation[0]), float(k.rotation[1]), float(k.rotation[2]), float(k.rotation[3]));
+        rtcQuaternionDecompositionSetTranslation(&d, float(k.translation.x), float(k.translation.y), float(k.translation.z));
+        rtcSetGeometryTransformQuaternion(instance, i, &d);
+        if (!fault(Fault::motionByMatrix)) continue;
+        const Affine whole = Motion::compose(k);
+        float m[12];
+        for (int j = 0; j < 12; ++j) m[j] = float(whole.m[j / 4][j % 4]);
+        rtcSetGeometryTransform(instance, i, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, m);
+    }
+}
+
 struct CutOut { // user data of a cut-out geometry
     const OpacityAt* opacity;
     uint32_t geometry;
@@ -118,11 +140,15 @@ struct Accel::Impl {
         rtcCommitGeometry(handle.get());
         rtcAttachGeometryByID(scene, handle.get(), id);
     }
-    void attach(const Instance& instance, uint32_t id) {
+    void attach(const Instance& instance, const Motion* motion, uint32_t id) {
         const GeometryHandle handle(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
         rtcSetGeometryInstancedScene(handle.get(), meshes.at(instance.firstGeometry).get());
-        rtcSetGeometryTimeStepCount(handle.get(), 1);
-        rtcSetGeometryTransform(handle.get(), 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, instance.toWorld.m);
+        if (motion) {
+            setMotion(handle.get(), *motion);
+        } else {
+            rtcSetGeometryTimeStepCount(handle.get(), 1);
+            rtcSetGeometryTransform(handle.get(), 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, instance.toWorld.m);
+        }
         rtcCommitGeometry(handle.get());
         rtcAttachGeometryByID(top.get(), handle.get(), id);
     }
@@ -135,9 +161,9 @@ struct Accel::Impl {
     }
 };
 
-Accel::Accel(std::span<const Geometry> geometries, std::size_t top, std::span<const Instance> instances, OpacityAt opacity,
-             const std::string& isa)
-    : impl_(std::make_unique<Impl>()), isa_(chooseIsa(isa)) {
+Accel::Accel(std::span<const Geometry> geometries, std::size_t top, std::span<const Instance> instances, std::span<const Motion> motions,
+             Interval shutter, OpacityAt opacity, const std::string& isa)
+    : impl_(std::make_unique<Impl>()), isa_(chooseIsa(isa)), clock_(shutter) {
     impl_->device.reset(rtcNewDevice(fmt::format("isa={}", isa_).c_str()));
     if (!impl_->device) check(nullptr);
     impl_->opacity = std::move(opacity);
@@ -156,7 +182,7 @@ Accel::Accel(std::span<const Geometry> geometries, std::size_t top, std::span<co
                 impl_->attach(mesh.get(), geometries[instance.firstGeometry + k], instance.firstGeometry + k, k);
             rtcCommitScene(mesh.get());
         }
-        impl_->attach(instance, uint32_t(top) + i);
+        impl_->attach(instance, instance.motion == Hit::none ? nullptr : &motions[instance.motion], uint32_t(top) + i);
     }
     rtcCommitScene(impl_->top.get());
     check(impl_->device.get());
@@ -170,7 +196,7 @@ Hit Accel::intersect(const Ray& r) const noexcept {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     RTCRayHit q;
-    q.ray = {r.o.x, r.o.y, r.o.z, r.tnear, r.d.x, r.d.y, r.d.z, r.time, r.tfar, ~0u, impl_->rayId(r), 0};
+    q.ray = {r.o.x, r.o.y, r.o.z, r.tnear, r.d.x, r.d.y, r.d.z, clock_.share(r.time), r.tfar, ~0u, impl_->rayId(r), 0};
     q.hit.geomID = q.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(impl_->top.get(), &context, &q);
     return impl_->decode(q.hit.geomID, q.hit.primID, q.hit.instID[0], q.hit.u, q.hit.v, q.ray.tfar);
@@ -180,7 +206,7 @@ bool Accel::occluded(const Ray& r) const noexcept {
     if (!usable(r)) return true;
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    RTCRay q{r.o.x, r.o.y, r.o.z, r.tnear, r.d.x, r.d.y, r.d.z, r.time, r.tfar, ~0u, impl_->rayId(r), 0};
+    RTCRay q{r.o.x, r.o.y, r.o.z, r.tnear, r.d.x, r.d.y, r.d.z, clock_.share(r.time), r.tfar, ~0u, impl_->rayId(r), 0};
     rtcOccluded1(impl_->top.get(), &context, &q);
     return q.tfar < 0;
 }
@@ -188,7 +214,7 @@ bool Accel::occluded(const Ray& r) const noexcept {
 namespace {
 
 // Fills lane k of a packet; false leaves the lane out.
-bool put(RTCRay16& q, std::size_t k, const Ray& r, uint32_t id) noexcept {
+bool put(RTCRay16& q, std::size_t k, const Ray& r, const ShutterClock& clock, uint32_t id) noexcept {
     q.org_x[k] = r.o.x;
     q.org_y[k] = r.o.y;
     q.org_z[k] = r.o.z;
@@ -196,7 +222,7 @@ bool put(RTCRay16& q, std::size_t k, const Ray& r, uint32_t id) noexcept {
     q.dir_x[k] = r.d.x;
     q.dir_y[k] = r.d.y;
     q.dir_z[k] = r.d.z;
-    q.time[k] = r.time;
+    q.time[k] = clock.share(r.time);
     q.tfar[k] = r.tfar;
     q.mask[k] = ~0u;
     q.id[k] = id;
@@ -215,7 +241,7 @@ void Accel::intersect(std::span<const Ray> rays, std::span<Hit> hits, bool coher
         alignas(64) RTCRayHit16 q;
         alignas(64) int valid[width] = {};
         for (std::size_t k = 0; k < n; ++k) {
-            valid[k] = put(q.ray, k, rays[first + k], impl_->rayId(rays[first + k])) ? -1 : 0;
+            valid[k] = put(q.ray, k, rays[first + k], clock_, impl_->rayId(rays[first + k])) ? -1 : 0;
             q.hit.geomID[k] = q.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
         }
         rtcIntersect16(valid, impl_->top.get(), &context, &q);
@@ -231,7 +257,7 @@ void Accel::occluded(std::span<const Ray> rays, std::span<uint8_t> answers) cons
         const std::size_t n = std::min(width, rays.size() - first);
         alignas(64) RTCRay16 q;
         alignas(64) int valid[width] = {};
-        for (std::size_t k = 0; k < n; ++k) valid[k] = put(q, k, rays[first + k], impl_->rayId(rays[first + k])) ? -1 : 0;
+        for (std::size_t k = 0; k < n; ++k) valid[k] = put(q, k, rays[first + k], clock_, impl_->rayId(rays[first + k])) ? -1 : 0;
         rtcOccluded16(valid, impl_->top.get(), &context, &q);
         for (std::size_t k = 0; k < n; ++k) answers[first + k] = valid[k] == 0 || q.tfar[k] < 0;
     }

@@ -1,7 +1,8 @@
-// Accel: the bounding volume hierarchy. Every call to Embree in the program is in accel.cpp. Two levels: meshes that several nodes use are
-// built once and instanced, all other geometry lies in world space in the top level.
+// Accel: the bounding volume hierarchy. Every call to Embree in the program is in accel.cpp. Two levels: meshes that several nodes use, or
+// one that moves, are built once and instanced, all other geometry lies in world space in the top level.
 #pragma once
 #include "core/math/ray.h"
+#include "core/scene/motion.h"
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -29,7 +30,7 @@ struct Geometry {
 };
 
 struct Instance {
-    AffineT<float> toWorld;
+    AffineT<float> toWorld;                        // of a moving one: when the shutter opens
     uint32_t firstGeometry = 0, geometryCount = 0; // of the mesh
     std::vector<uint32_t> firstLights;             // one a geometry; ~0u: not a light
     bool flipped = false;                          // negative determinant: the front is the clockwise side of the stored winding
@@ -42,8 +43,10 @@ using OpacityAt = std::function<float(const Hit&)>;
 
 class Accel {
 public:
-    // The first `top` geometries lie in world space; the rest belong to meshes, which instances name by their first geometry.
-    Accel(std::span<const Geometry>, std::size_t top, std::span<const Instance>, OpacityAt, const std::string& isa);
+    // The first `top` geometries lie in world space; the rest belong to meshes, which instances name by their first geometry. Motions are
+    // those that instances name; rays carry times of the shutter, in seconds.
+    Accel(std::span<const Geometry>, std::size_t top, std::span<const Instance>, std::span<const Motion>, Interval shutter, OpacityAt,
+          const std::string& isa);
     ~Accel();
     Hit intersect(const Ray&) const noexcept;
     void intersect(std::span<const Ray>, std::span<Hit>, bool coherent) const noexcept;
@@ -57,6 +60,7 @@ public:
 private:
     std::unique_ptr<Impl> impl_;
     std::string isa_;
+    ShutterClock clock_;
 };
 
 } // namespace chiaro

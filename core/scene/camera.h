@@ -20,21 +20,32 @@ struct CameraConnection {
     float importance = 0; // draster / domega / distance^2 over the density of the lens point: 1/m2
     Ray shadow;           // trace it with Scene::occluded
 };
+// Where a light ray lands that goes through the opening of the lens by itself, unaimed: its flux x importance is its share of the mean of
+// the pixels around `raster`.
+struct CameraLanding {
+    Point2 raster;
+    float t = 0;          // metres along the ray to the opening
+    float importance = 0; // draster / (dA cos domega), 1/m2
+};
 
 class Camera {
 public:
     Camera() = default;
     // The view of a description on a picture of width x height pixels. Where the aspects differ, the vertical angle is kept.
-    Camera(const CameraDesc&, uint32_t width, uint32_t height);
+    // shutter: that of the scene, which the camera's motion covers; a camera that rests needs none.
+    Camera(const CameraDesc&, uint32_t width, uint32_t height, Interval shutter = {});
     // lens: uniform in the unit square, unused by a pinhole. The lens is that of an ideal thin lens: rays of all lens points through one
     // raster position meet on the plane of focus (Cook, Porter, Carpenter 1984).
     Ray ray(Point2 raster, Point2 lens, float time) const noexcept;
     // The same pixel seen from a point of the scene, at the point's time; empty: behind the camera.
     std::optional<CameraConnection> importance(const SurfacePoint& from, Point2 lens) const noexcept;
+    // Empty: the ray misses the opening, or comes from behind; always so for a pinhole.
+    std::optional<CameraLanding> landing(const Ray&) const noexcept;
     bool hasLens() const noexcept { return lensRadius_ > 0; }
+    LensDesc lens() const noexcept { return {double(lensRadius_), double(focus_), blades_, double(lensRotation_)}; }
     bool moves() const noexcept { return !motion_.keys().empty(); }
     Footprint footprint() const noexcept { return footprint_; } // of one pixel
-    // Planar depth: the distance along the viewing axis.
+    // Planar depth: the distance along the viewing axis; of a moving camera, as it stands when the shutter opens, like the two below.
     float depth(const Vec3& p) const noexcept;
     const Vec3& position() const noexcept { return position_; }
     const Vec3& axis() const noexcept { return axis_; }
@@ -46,6 +57,11 @@ private:
     Footprint footprint_;
     float lensRadius_ = 0, focus_ = 1, lensRotation_ = 0;
     int blades_ = 0;
+    // Where it stands at a time.
+    struct Pose {
+        Vec3 position, axis, right, up;
+    };
+    Pose pose(float time) const noexcept;
     Motion motion_; // no keys: at rest
 };
 

@@ -5,6 +5,7 @@
 #include "core/scene/accel.h"
 #include "core/scene/lights_builder.h"
 #include "core/scene/scene_hash.h"
+#include <algorithm>
 #include <fmt/format.h>
 #include <optional>
 
@@ -45,6 +46,50 @@ AffineT<float> narrowed(const Affine& m) noexcept {
     return r;
 }
 
+// A ray has no image under a map that flattens space, and beyond one an object is inside out: at such steps it is what it is at the last
+// sound step (before the first of these: at that one), a ten-thousandth of the size. How many were mended; all of them: no step is sound.
+std::size_t mend(MotionDesc& maps) {
+    constexpr double least = 1e-4;
+    const auto first = std::find_if(maps.begin(), maps.end(), invertible);
+    if (first == maps.end()) return maps.size();
+    std::size_t mended = 0;
+    Affine last = *first;
+    for (Affine& m : maps) {
+        if (invertible(m) && (m.determinant() < 0) == (last.determinant() < 0)) {
+            last = m;
+            continue;
+        }
+        ++mended;
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) m.m[i][j] = last.m[i][j] * least;
+    }
+    return mended;
+}
+
+// Where a box is at any time of a motion. Between two keys a corner leaves the straight way by the height of its arc at most, and by what
+// turning and stretching at once add to it.
+void addSwept(Bounds& world, const Bounds& box, const Motion& motion) {
+    const std::span<const Motion::Key> keys = motion.keys();
+    const auto stretched = [](const Motion::Key& k, const Vec3d& p) {
+        const auto& s = k.stretch;
+        return Vec3d{s[0][0] * p.x + s[0][1] * p.y + s[0][2] * p.z, s[1][1] * p.y + s[1][2] * p.z, s[2][2] * p.z};
+    };
+    for (std::size_t i = 0; i + 1 < keys.size(); ++i) {
+        double cosine = 0;
+        for (int c = 0; c < 4; ++c) cosine += keys[i].rotation[c] * keys[i + 1].rotation[c];
+        const double half = std::acos(std::clamp(cosine, -1.0, 1.0)); // of the turn
+        for (int corner = 0; corner < 8; ++corner) {
+            const Vec3d p = box.corner(corner), from = stretched(keys[i], p), to = stretched(keys[i + 1], p);
+            const double bulge = std::max(length(from), length(to)) * (1 - std::cos(half)) + length(to - from) * half / 2;
+            for (const Motion::Key* k : {&keys[i], &keys[i + 1]}) {
+                const Vec3d q = Motion::compose(*k).point(p), pad{bulge, bulge, bulge};
+                world.add(q - pad);
+                world.add(q + pad);
+            }
+        }
+    }
+}
+
 } // namespace
 
 class SceneCompiler {
@@ -54,6 +99,9 @@ public:
 
 private:
     void materials();
+    void motions();
+    bool moves(const MotionDesc& m) const noexcept { return m.size() > 1 && desc_.shutter.close > desc_.shutter.open; }
+    uint32_t addMotion(MotionDesc); // recentred; its number
     void centre();
     void place();
     Geometry geometry(PrimitiveDesc&, const Affine* toWorld);
@@ -72,6 +120,33 @@ void SceneCompiler::materials() {
     scene_->textures_ = Textures(std::move(desc_.images), std::move(desc_.textures));
 }
 
+// Leaves a motion only to what moves while the shutter is open, every step of it invertible, and begins it where the thing stands.
+void SceneCompiler::motions() {
+    std::size_t mended = 0;
+    const auto settle = [&](Affine& toWorld, MotionDesc& motion, bool needsInverse) {
+        if (motion.empty()) return;
+        toWorld = motion.front();
+        const bool still = std::all_of(motion.begin(), motion.end(), [&](const Affine& m) { return m == motion.front(); });
+        if (still || !moves(motion)) return motion.clear();
+        const std::size_t bad = needsInverse ? mend(motion) : 0;
+        if (bad == motion.size()) return motion.clear();
+        mended += bad > 0;
+        toWorld = motion.front();
+    };
+    for (InstanceDesc& i : desc_.instances) settle(i.toWorld, i.motion, true);
+    for (PunctualDesc& l : desc_.lights) settle(l.toWorld, l.motion, true);
+    for (CameraDesc& c : desc_.cameras) settle(c.toWorld, c.motion, false);
+    if (mended > 0)
+        notes_.warn(fmt::format("{}: {} {} to nothing or inside out while the shutter is open; drawn a ten-thousandth of the size there",
+                                desc_.name, mended, mended == 1 ? "instance goes" : "instances go"));
+}
+
+uint32_t SceneCompiler::addMotion(MotionDesc maps) {
+    for (Affine& m : maps) m = moved(m, scene_->centre_);
+    scene_->motions_.emplace_back(maps, desc_.shutter);
+    return uint32_t(scene_->motions_.size() - 1);
+}
+
 void SceneCompiler::centre() {
     std::vector<Bounds> local(desc_.meshes.size());
     for (std::size_t i = 0; i < local.size(); ++i)
@@ -79,7 +154,11 @@ void SceneCompiler::centre() {
             for (const Vec3& v : p.positions) local[i].add(cast<double>(v));
     Bounds world;
     for (const InstanceDesc& in : desc_.instances)
-        if (const Bounds& b = local[in.mesh]; !b.empty())
+        if (const Bounds& b = local[in.mesh]; b.empty())
+            continue;
+        else if (moves(in.motion))
+            addSwept(world, b, Motion(in.motion, desc_.shutter));
+        else
             for (int k = 0; k < 8; ++k) world.add(in.toWorld.point(b.corner(k)));
     if (world.empty()) {
         notes_.warn(fmt::format("{}: no triangles to draw; only the background will be seen", desc_.name));
@@ -128,10 +207,10 @@ Geometry SceneCompiler::geometry(PrimitiveDesc& p, const Affine* toWorld) {
 }
 
 void SceneCompiler::place() {
-    // Nodes that flatten their mesh cannot be instances: a ray has no image under them.
+    // Nodes that flatten their mesh cannot be instances: a ray has no image under them. What moves must be one.
     std::vector<uint32_t> uses(desc_.meshes.size(), 0);
     for (const InstanceDesc& in : desc_.instances)
-        if (invertible(in.toWorld)) ++uses[in.mesh];
+        if (invertible(in.toWorld)) uses[in.mesh] += moves(in.motion) ? 2 : 1;
     const auto bake = [&](PrimitiveDesc p, const InstanceDesc& in) {
         const Affine m = moved(in.toWorld, scene_->centre_);
         scene_->geometries_.push_back(geometry(p, &m));
@@ -158,6 +237,7 @@ void SceneCompiler::place() {
         instance.geometryCount = uint32_t(desc_.meshes[in.mesh].primitives.size());
         instance.firstLights.assign(instance.geometryCount, Lights::none);
         instance.flipped = m.determinant() < 0;
+        if (moves(in.motion)) instance.motion = addMotion(in.motion);
         scene_->instances_.push_back(std::move(instance));
     }
     SceneCounts& n = scene_->counts_;
@@ -192,7 +272,8 @@ void SceneCompiler::lights() {
             ++n.emissiveMeshes;
         }
     }
-    for (const PunctualDesc& l : desc_.lights) builder.addPunctual(l, scene_->centre_, scene_->radius_);
+    for (const PunctualDesc& l : desc_.lights)
+        builder.addPunctual(l, scene_->centre_, scene_->radius_, moves(l.motion) ? addMotion(l.motion) : Lights::none);
     n.punctualLights = desc_.lights.size();
     if (desc_.environment) builder.setEnvironment(*desc_.environment, scene_->radius_);
     builder.finish();
@@ -202,16 +283,21 @@ std::unique_ptr<const Scene> SceneCompiler::run(const std::string& isa) {
     scene_->name_ = desc_.name;
     scene_->shutter_ = desc_.shutter;
     materials();
+    motions();
     centre();
     place();
     lights();
     scene_->counts_.textureBytes = scene_->textures_.bytes();
     scene_->cameras_ = std::move(desc_.cameras);
-    for (CameraDesc& c : scene_->cameras_) c.toWorld = moved(c.toWorld, scene_->centre_);
+    for (CameraDesc& c : scene_->cameras_) {
+        c.toWorld = moved(c.toWorld, scene_->centre_);
+        for (Affine& m : c.motion) m = moved(m, scene_->centre_);
+    }
     scene_->hash_ = sceneHash(*scene_, scene_->geometries_, scene_->instances_, desc_);
     const Scene* self = scene_.get();
     scene_->accel_ = std::make_unique<Accel>(
-        scene_->geometries_, top_, scene_->instances_, [self](const Hit& h) { return self->opacity(self->attributes(h)); }, isa);
+        scene_->geometries_, top_, scene_->instances_, scene_->motions_, desc_.shutter,
+        [self](const Hit& h) { return self->opacity(self->attributes(h)); }, isa);
     scene_->isa_ = scene_->accel_->isa();
     return std::move(scene_);
 }

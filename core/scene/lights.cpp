@@ -31,14 +31,41 @@ std::optional<LightSample> Lights::sampleTowards(const SurfacePoint& from, doubl
 
 std::optional<LightSample> Lights::sampleOne(uint32_t light, const SurfacePoint& from, double uPick, Point2 u) const noexcept {
     std::optional<LightSample> s;
-    if (light < triangles_.size())
-        s = sampleTriangle(triangles_[light], from, u);
-    else if (light - triangles_.size() < punctual_.size())
+    if (light < triangles_.size()) {
+        const Triangle& t = triangles_[light];
+        s = t.motion == none ? sampleTriangle(t, from, u) : sampleTriangle(placed(t, from.time), from, u);
+    } else if (light - triangles_.size() < punctual_.size()) {
         s = samplePunctual(punctual_[light - triangles_.size()], from);
-    else
+    } else {
         s = sampleEnvironment(from, uPick, u);
+    }
     if (s) s->light = light;
     return s;
+}
+
+Lights::Triangle Lights::placed(const Triangle& t, float time) const noexcept {
+    if (t.motion == none) return t;
+    const Motion& motion = scene_->motion(t.motion);
+    const AffineT<float> m = motion.at(time);
+    Triangle w = t;
+    w.p = m.point(t.p);
+    w.e1 = m.vector(t.e1);
+    w.e2 = m.vector(t.e2);
+    const Vec3 n = m.normal(cross(t.e1, t.e2));
+    const float twice = length(n);
+    w.area = twice / 2;
+    w.ng = twice > 0 ? n * ((m.determinant() < 0 ? -1.f : 1.f) / twice) : Vec3{0, 0, 1};
+    const Vec3 b = w.p + w.e1, c = w.p + w.e2;
+    const float reach = max(maxAbs(w.p), max(maxAbs(b), maxAbs(c)));
+    w.error = 8 * 0x1p-23f * reach + motion.slack() * (reach + max(std::fabs(m.m[0][3]), max(std::fabs(m.m[1][3]), std::fabs(m.m[2][3]))));
+    w.motion = none;
+    return w;
+}
+
+Lights::Place Lights::placeOf(const Punctual& l, float time) const noexcept {
+    if (l.motion == none) return {l.p, l.axis};
+    const AffineT<float> m = scene_->motion(l.motion).at(time);
+    return {m.point(Vec3{}), normalize(m.vector(Vec3{0, 0, -1}))};
 }
 
 std::optional<LightSample> Lights::sampleTriangle(const Triangle& t, const SurfacePoint& from, Point2 u) const noexcept {
@@ -67,22 +94,23 @@ std::optional<LightSample> Lights::samplePunctual(const Punctual& l, const Surfa
     s.delta = true;
     s.kind = LightKind::delta;
     s.pdfW = 1;
+    const Place place = placeOf(l, from.time);
     if (l.kind == PunctualKind::directional) {
-        s.wi = -l.axis;
+        s.wi = -place.axis;
         s.radiance = l.intensity;
         s.shadow = from.towards(s.wi);
         return s;
     }
-    const Vec3 way = l.p - from.p;
+    const Vec3 way = place.p - from.p;
     const float distanceSquared = lengthSquared(way);
     if (!(distanceSquared > 0)) return {};
     s.wi = way * (1 / std::sqrt(distanceSquared));
     float attenuation = 1 / distanceSquared;
     if (l.range > 0) attenuation *= clamp01(1 - sqr(distanceSquared / sqr(l.range))); // KHR_lights_punctual: 1 - (d / range)^4
-    if (l.kind == PunctualKind::spot) attenuation *= sqr(clamp01(-dot(s.wi, l.axis) * l.scale + l.offset));
+    if (l.kind == PunctualKind::spot) attenuation *= sqr(clamp01(-dot(s.wi, place.axis) * l.scale + l.offset));
     s.radiance = l.intensity * attenuation;
     if (black(s.radiance)) return {};
-    const Vec3 origin = from.offset(s.wi), d = l.p - origin;
+    const Vec3 origin = from.offset(s.wi), d = place.p - origin;
     const float distance = length(d);
     s.shadow = {origin, 0, d * (1 / distance), distance, from.time};
     return s;
@@ -142,12 +170,21 @@ Spectrum Lights::emission(const SurfacePoint& at) const noexcept {
 LightHit Lights::hit(const SurfacePoint& at, const Vec3& wo, const SurfacePoint* from) const noexcept {
     if (at.light == none) return {};
     const Triangle& t = triangles_[at.light];
-    const float cosine = dot(wo, t.ng);
+    if (t.motion != none) {
+        const Triangle moved = placed(t, at.time);
+        return found(at, wo, from, moved.ng, moved.area);
+    }
+    return found(at, wo, from, t.ng, t.area);
+}
+
+LightHit Lights::found(const SurfacePoint& at, const Vec3& wo, const SurfacePoint* from, const Vec3& ng, float area) const noexcept {
+    const Triangle& t = triangles_[at.light];
+    const float cosine = dot(wo, ng);
     if (cosine == 0 || (cosine < 0 && !t.doubleSided)) return {};
     LightHit h;
     h.radiance = emission(at);
-    if (from && t.area > 0) h.pdfW = pmf(at.light) * areaToSolidAngle(1 / t.area, lengthSquared(at.p - from->p), cosine);
-    if (fault(Fault::misOtherMeasure)) h.pdfW = from ? pmf(at.light) / t.area : 0;
+    if (from && area > 0) h.pdfW = pmf(at.light) * areaToSolidAngle(1 / area, lengthSquared(at.p - from->p), cosine);
+    if (fault(Fault::misOtherMeasure)) h.pdfW = from ? pmf(at.light) / area : 0;
     return h;
 }
 

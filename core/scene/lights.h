@@ -105,7 +105,7 @@ private:
         float error = 0, power = 0;
         uint32_t geometry = 0, triangle = 0, instance = Hit::none, material = 0;
         bool doubleSided = false;
-        uint32_t motion = none; // of its instance; the corners above are then those of the mesh itself, unmoved
+        uint32_t motion = none; // of its instance; the corners above are then those of the mesh itself, unmoved, the area the mean one
     };
     struct Punctual {
         PunctualKind kind = PunctualKind::point;
@@ -125,9 +125,22 @@ private:
         float cosRotate = 1, sinRotate = 0;
         double power = 0;
     };
-    std::optional<LightSample> sampleTriangle(const Triangle&, const SurfacePoint&, Point2 u) const noexcept;
+    // Of a moving light: as it is in the world at a time, its area and front too. For one that rests, itself.
+    Triangle placed(const Triangle&, float time) const noexcept;
+    struct Place {
+        Vec3 p, axis;
+    };
+    Place placeOf(const Punctual&, float time) const noexcept;
+    std::optional<LightSample> sampleTriangle(const Triangle& placed, const SurfacePoint&, Point2 u) const noexcept;
     std::optional<LightSample> samplePunctual(const Punctual&, const SurfacePoint&) const noexcept;
     std::optional<LightSample> sampleEnvironment(const SurfacePoint&, double uCell, Point2 u) const noexcept;
+    // Without the choice of the light: pmf is not set, flux not divided by it.
+    std::optional<LightEmission> emitTriangle(const Triangle& placed, Point2 point, const PickAndPoint& uTowards,
+                                              float time) const noexcept;
+    LightEmission emitPunctual(const Punctual&, Point2 point, const PickAndPoint& uTowards, float time) const noexcept;
+    std::optional<LightEmission> emitEnvironment(Point2 point, const PickAndPoint& uTowards, float time) const noexcept;
+    // Emission of a hit on a triangle whose front and area at that time are these.
+    LightHit found(const SurfacePoint& emitter, const Vec3& wo, const SurfacePoint* from, const Vec3& ng, float area) const noexcept;
     // Radiance from a direction, and the density of sampling it (w).
     Vec4 skyAt(const Vec3& direction) const noexcept;
     Spectrum emission(const SurfacePoint&) const noexcept;

@@ -35,20 +35,32 @@ double LightsBuilder::meanEmission(const Lights::Triangle& t) const {
     return sum / count;
 }
 
+namespace {
+
+// Twice the area of a moving triangle, its mean over the motion; n: the cross product of its edges in the mesh.
+float meanTwice(const Motion& motion, const Vec3& n) {
+    double sum = 0;
+    for (const Motion::Key& k : motion.keys()) sum += length(Motion::compose(k).normal(cast<double>(n)));
+    return float(sum / double(motion.keys().size()));
+}
+
+} // namespace
+
 uint32_t LightsBuilder::addMesh(const Geometry& g, uint32_t geometry, const Instance* instance, uint32_t instanceIndex) {
     const MaterialDesc& m = scene_.material(g.material);
     const auto first = uint32_t(lights_.triangles_.size());
     for (uint32_t i = 0; i < g.triangles(); ++i) {
         const auto corner = g.triangle(i);
         Vec3 p[3] = {g.positions[corner[0]], g.positions[corner[1]], g.positions[corner[2]]};
-        if (instance)
+        const bool moves = instance && instance->motion != Hit::none;
+        if (instance && !moves)
             for (Vec3& q : p) q = instance->toWorld.point(q);
         Lights::Triangle t;
         t.p = p[0];
         t.e1 = p[1] - p[0];
         t.e2 = p[2] - p[0];
         const Vec3 n = cross(t.e1, t.e2);
-        const float twice = length(n);
+        const float twice = moves ? meanTwice(scene_.motion(instance->motion), n) : length(n);
         t.area = twice / 2;
         t.ng = twice > 0 ? n * ((instance && instance->flipped ? -1.f : 1.f) / twice) : Vec3{0, 0, 1};
         t.error = 8 * 0x1p-23f * max(maxAbs(p[0]), max(maxAbs(p[1]), maxAbs(p[2])));
@@ -56,6 +68,7 @@ uint32_t LightsBuilder::addMesh(const Geometry& g, uint32_t geometry, const Inst
         t.triangle = i;
         t.instance = instanceIndex;
         t.material = g.material;
+        if (moves) t.motion = instance->motion;
         t.doubleSided = m.doubleSided || m.unlit || fault(Fault::lampTwoSided);
         t.power = float(meanEmission(t) * double(t.area) * double(pi) * (t.doubleSided ? 2 : 1));
         lights_.triangles_.push_back(t);
@@ -63,8 +76,9 @@ uint32_t LightsBuilder::addMesh(const Geometry& g, uint32_t geometry, const Inst
     return first;
 }
 
-void LightsBuilder::addPunctual(const PunctualDesc& d, const Vec3d& centre, float sceneRadius) {
+void LightsBuilder::addPunctual(const PunctualDesc& d, const Vec3d& centre, float sceneRadius, uint32_t motion) {
     Lights::Punctual l;
+    l.motion = motion;
     l.kind = d.kind;
     l.intensity = d.intensity * (fault(Fault::candelaAsLumen) ? 1 / (4 * pi) : 1.f);
     l.name = d.name;

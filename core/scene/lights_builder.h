@@ -11,7 +11,8 @@ public:
     LightsBuilder(const Scene& scene, Lights& lights) : scene_(scene), lights_(lights) { lights_.scene_ = &scene; }
     // The emissive triangles of one geometry under one placement (null: it lies in world space); returns the first light's number.
     uint32_t addMesh(const Geometry&, uint32_t geometry, const Instance*, uint32_t instance);
-    void addPunctual(const PunctualDesc&, const Vec3d& centre, float sceneRadius);
+    // motion: of the scene, Lights::none at rest.
+    void addPunctual(const PunctualDesc&, const Vec3d& centre, float sceneRadius, uint32_t motion);
     void setEnvironment(const EnvironmentDesc&, float sceneRadius);
     void finish(); // the alias tables
 

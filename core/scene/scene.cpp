@@ -99,25 +99,31 @@ SurfacePoint Scene::point(const Hit& hit, const Ray& ray) const noexcept {
     } else if (const int set = materials_[g.material].normalTexture.uvSet; mapped && !g.uv[set].empty()) {
         derivatives(e1, e2, g.uv[set][i[0]], g.uv[set][i[1]], g.uv[set][i[2]], s.dpdu, s.dpdv);
     }
-    float reach = max(maxAbs(a), max(maxAbs(b), maxAbs(c)));
+    float reach = max(maxAbs(a), max(maxAbs(b), maxAbs(c))), interpolated = 0;
     if (hit.instance != Hit::none) {
         const Instance& in = instances_[hit.instance];
+        const Motion* motion = in.motion == Hit::none ? nullptr : &motions_[in.motion];
+        const AffineT<float> toWorld = motion ? motion->at(ray.time) : in.toWorld;
         const float side = in.flipped ? -1.f : 1.f;
-        s.p = in.toWorld.point(s.p);
-        s.ng = in.toWorld.normal(s.ng) * side;
-        if (smooth) s.ns = in.toWorld.normal(s.ns) * side;
-        s.tangent = in.toWorld.vector(s.tangent);
+        s.p = toWorld.point(s.p);
+        s.ng = toWorld.normal(s.ng) * side;
+        if (smooth) s.ns = toWorld.normal(s.ns) * side;
+        s.tangent = toWorld.vector(s.tangent);
         s.tangentSign *= side;
-        s.dpdu = in.toWorld.vector(s.dpdu);
-        s.dpdv = in.toWorld.vector(s.dpdv);
-        e1 = in.toWorld.vector(e1);
-        e2 = in.toWorld.vector(e2);
-        float world = 0;
-        for (const auto& row : in.toWorld.m)
-            world = max(world, (std::fabs(row[0]) + std::fabs(row[1]) + std::fabs(row[2])) * reach + std::fabs(row[3]));
+        s.dpdu = toWorld.vector(s.dpdu);
+        s.dpdv = toWorld.vector(s.dpdv);
+        e1 = toWorld.vector(e1);
+        e2 = toWorld.vector(e2);
+        float world = 0, turned = 0;
+        for (const auto& row : toWorld.m) {
+            const float stretched = (std::fabs(row[0]) + std::fabs(row[1]) + std::fabs(row[2])) * reach;
+            world = max(world, stretched + std::fabs(row[3]));
+            turned = max(turned, stretched);
+        }
         reach = world;
+        if (motion) interpolated = motion->slack() * turned + gamma8 * world;
     }
-    s.error = gamma8 * reach;
+    s.error = gamma8 * reach + interpolated;
     s.p = inset(s.p, e1, e2, length(s.ng), hit.u, hit.v, s.error);
     s.ng = unitOr(s.ng, Vec3{0, 0, 1});
     s.ns = smooth ? unitOr(s.ns, s.ng) : s.ng;

@@ -59,6 +59,7 @@ void add(Hasher& h, const PunctualDesc& l) {
     h.spectrum(l.intensity);
     h.numbers({double(l.kind), l.range, l.innerCone, l.outerCone});
     h.affine(l.toWorld);
+    for (const Affine& m : l.motion) h.affine(m);
 }
 
 } // namespace
@@ -66,10 +67,14 @@ void add(Hasher& h, const PunctualDesc& l) {
 uint64_t sceneHash(const Scene& scene, std::span<const Geometry> geometries, std::span<const Instance> instances, const SceneDesc& desc) {
     Hasher h;
     for (const Geometry& g : geometries) add(h, g);
+    bool moves = false;
     for (const Instance& i : instances) {
         for (const auto& row : i.toWorld.m)
             for (const float v : row) h.number(v);
         h.number(i.firstGeometry);
+        if (i.motion == Hit::none) continue;
+        for (const Motion::Key& k : scene.motion(i.motion).keys()) h.affine(Motion::compose(k));
+        moves = true;
     }
     for (const MaterialDesc& m : scene.materials()) add(h, m);
     for (const ImageDesc& i : scene.textures().images()) {
@@ -78,7 +83,11 @@ uint64_t sceneHash(const Scene& scene, std::span<const Geometry> geometries, std
     }
     for (const TextureDesc& t : scene.textures().textures())
         h.numbers({double(t.image), double(t.wrapS), double(t.wrapT), double(t.filter)});
-    for (const PunctualDesc& l : desc.lights) add(h, l);
+    for (const PunctualDesc& l : desc.lights) {
+        add(h, l);
+        moves |= !l.motion.empty();
+    }
+    if (moves) h.numbers({double(desc.shutter.open), double(desc.shutter.close)});
     if (desc.environment) {
         h.values(desc.environment->image.pixels);
         h.numbers(
