@@ -1,6 +1,6 @@
 // Debug views: what the first hit is like, as a picture. No light is transported.
 #include "integrators/entries.h"
-#include "materials/bsdf.h"
+#include "integrators/transport.h"
 
 namespace chiaro {
 namespace {
@@ -9,16 +9,20 @@ enum class Show : uint8_t { normals, depth, albedo, uv };
 
 template <Show show> class DebugView final : public CameraIntegrator {
     void radiance(const Job& job, PathStart& start, Outputs& out) const noexcept override {
-        if (!start.first) return;
+        if (!start.first) {
+            if (out.log) logSky(*out.log, job.scene, start.ray, Spectrum(1));
+            return;
+        }
         const SurfacePoint at = job.scene.point(start.first, start.ray);
         const Bsdf bsdf = shade(job.scene, at, -start.ray.d, start.footprint, start.lambda);
         const Vec3 n = bsdf.normal();
+        if (out.log) logSurface(*out.log, at, n, start.first.t, Spectrum(1));
         out.aov(Aov::albedo, bsdf.albedo());
         out.aov(Aov::normal, {n.x, n.y, n.z});
-        if constexpr (show == Show::normals) out.add(1, {n.x, n.y, n.z});
-        if constexpr (show == Show::depth) out.add(1, Spectrum(job.view.camera.depth(at.p)));
-        if constexpr (show == Show::albedo) out.add(1, bsdf.albedo());
-        if constexpr (show == Show::uv) out.add(1, {at.uv[0].x, at.uv[0].y, 0});
+        if constexpr (show == Show::normals) addFound(out, 1, {n.x, n.y, n.z});
+        if constexpr (show == Show::depth) addFound(out, 1, Spectrum(job.view.camera.depth(at.p)));
+        if constexpr (show == Show::albedo) addFound(out, 1, bsdf.albedo());
+        if constexpr (show == Show::uv) addFound(out, 1, {at.uv[0].x, at.uv[0].y, 0});
     }
 };
 

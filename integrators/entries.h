@@ -4,6 +4,7 @@
 
 namespace chiaro {
 
-extern const IntegratorEntry pathEntry, normalsEntry, depthEntry, albedoEntry, uvEntry;
+extern const IntegratorEntry pathEntry, raycastEntry, normalsEntry, depthEntry, albedoEntry, uvEntry, distributedEntry, aoEntry,
+    whittedEntry, lightEntry;
 
 } // namespace chiaro

@@ -29,6 +29,15 @@ private:
     bool nee_, mis_;
 };
 
+// For the log: why nothing follows.
+[[gnu::cold, gnu::noinline]] void logEnd(PathLog& log, const char* why) noexcept { log.end(why); }
+void ended(Outputs& out, const char* why) noexcept {
+    if (out.log) logEnd(*out.log, why);
+}
+const char* unwanted(const PathClasses& classes, uint32_t depth) noexcept {
+    return depth >= classes.maxDepth() ? "depth limit" : "no longer path is wanted";
+}
+
 void Path::radiance(const Job& job, PathStart& start, Outputs& out) const noexcept {
     const Scene& scene = job.scene;
     const PathClasses& classes = job.classes;
@@ -44,34 +53,42 @@ void Path::radiance(const Job& job, PathStart& start, Outputs& out) const noexce
         const SurfacePoint* from = depth > 0 ? &previous : nullptr;
         if (!hit) {
             const LightHit sky = scene.lights().miss(ray, from);
-            if (sky) out.add(classes.reached(state, sky.kind), throughput * sky.radiance * hitWeight(delta, pdfW, sky.pdfW));
+            if (out.log) logSky(*out.log, scene, ray, throughput);
+            if (sky) addFound(out, classes.reached(state, sky.kind), throughput * sky.radiance * hitWeight(delta, pdfW, sky.pdfW));
             if (depth == 0) out.aov(Aov::albedo, {clamp01(sky.radiance[0]), clamp01(sky.radiance[1]), clamp01(sky.radiance[2])});
             return;
         }
         at = scene.point(hit, ray);
         throughput *= segmentTransmittance(scene, from, ray.d, &at, hit.t);
+        if (out.log) logSurface(*out.log, at, at.ns, hit.t, throughput);
         if (const LightHit light = scene.lights().hit(at, -ray.d, from))
-            out.add(classes.reached(state, light.kind), throughput * light.radiance * hitWeight(delta, pdfW, light.pdfW));
-        if (!classes.continues(state) && depth > 0) return;
+            addFound(out, classes.reached(state, light.kind), throughput * light.radiance * hitWeight(delta, pdfW, light.pdfW));
+        if (!classes.continues(state) && depth > 0) return ended(out, unwanted(classes, depth));
         const Bsdf bsdf = shade(scene, at, -ray.d, start.footprint, start.lambda);
         if (depth == 0) {
             out.aov(Aov::albedo, bsdf.albedo());
             out.aov(Aov::normal, Spectrum(bsdf.normal().x, bsdf.normal().y, bsdf.normal().z));
         }
-        if (!classes.continues(state)) return;
+        if (!classes.continues(state)) return ended(out, unwanted(classes, depth));
+        if (out.log) (*out.log)[out.log->here].normal = bsdf.normal();
         const PickAndPoint uLight = sampler.get3D(), uBsdf = sampler.get3D();
-        if (nee_ && bsdf.smooth() && !(fault(Fault::bounceDropped) && depth == 1))
+        if (nee_ && bsdf.smooth() && !(fault(Fault::bounceDropped) && depth == 1)) {
+            const uint32_t rays = out.rays;
             addDirect(job, at, bsdf, state, throughput, scene.lights().sampleTowards(at, uLight.pick, uLight.u), mis_ ? Mis::on : Mis::off,
                       out);
+            if (out.rays > rays) out.traced(0, depth + 1);
+        }
         const auto sample = bsdf.sample(min(float(uBsdf.pick), oneMinusEpsilon), uBsdf.u);
-        if (!sample) return;
+        if (!sample) return ended(out, "absorbed");
         const Turn next = turn(classes, state, bsdf, *sample, sampler);
-        if (!next.state || black(next.weight)) return;
+        if (!next.state || black(next.weight)) return ended(out, next.state ? "absorbed" : "no such path is wanted");
         throughput *= next.weight;
+        float boost = 1;
         if (depth >= rouletteDepth_) {
             const float survive = min(maxComponent(throughput), 0.95f);
-            if (!(sampler.get1D() < survive)) return;
-            throughput *= fault(Fault::rouletteUnweighted) ? 1 : 1 / survive;
+            if (!(sampler.get1D() < survive)) return ended(out, "roulette");
+            boost = fault(Fault::rouletteUnweighted) ? 1 : 1 / survive;
+            throughput *= boost;
         } else {
             sampler.skip(1);
         }
@@ -81,6 +98,8 @@ void Path::radiance(const Job& job, PathStart& start, Outputs& out) const noexce
         previous = at;
         ray = at.towards(sample->wi);
         hit = scene.intersect(ray);
+        out.traced(1, depth + 1);
+        if (out.log) out.log->scatter(next.event, next.weight * boost, pdfW, delta);
     }
 }
 

@@ -6,7 +6,8 @@
 namespace chiaro {
 
 std::span<const IntegratorEntry> integrators() {
-    static const std::array all = {pathEntry, normalsEntry, depthEntry, albedoEntry, uvEntry};
+    static const std::array all = {pathEntry,  raycastEntry, whittedEntry, distributedEntry, aoEntry,
+                                   lightEntry, normalsEntry, depthEntry,   albedoEntry,      uvEntry};
     return all;
 }
 

@@ -13,6 +13,8 @@ std::span<const BuiltinScene> builtinScenes() {
                      128},
         BuiltinScene{"@caustic", "a glass ball that focuses a small lamp on the floor", makeCaustic, 768, 512, 1024},
         BuiltinScene{"@furnace", "a closed glowing sphere in which every pixel is exactly 2", makeFurnace, 128, 128, 64},
+        BuiltinScene{"@playground", "checks, balls of mirror, glass and gold, a tumbling cube: the classical effects", makePlayground, 768,
+                     480, 256, animatePlayground},
     };
     return list;
 }

@@ -16,6 +16,8 @@ struct BuiltinScene {
     SceneDesc (*make)();            // a fresh description; equal bits at every call
     uint32_t width = 0, height = 0; // the picture the page talks about
     uint32_t spp = 0;               // samples per pixel that give a presentable picture with `path`
+    // Moves what moves: places it at the frame time (seconds) and gives it its motion over the shutter. Null: nothing moves.
+    void (*animate)(SceneDesc&, double frameTime, Interval shutter) = nullptr;
 };
 
 // All of them, in the order in which they are listed to people.

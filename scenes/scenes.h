@@ -9,6 +9,8 @@ SceneDesc makeCornellSpheres();
 SceneDesc makeVeachMis();
 SceneDesc makeCaustic();
 SceneDesc makeFurnace();
+SceneDesc makePlayground();
+void animatePlayground(SceneDesc&, double frameTime, Interval shutter);
 
 // The measured room without its blocks: walls, lamp and camera; the index of its white material comes back in `white`.
 SceneDesc cornellRoom(int& white);

@@ -1,0 +1,57 @@
+// Direct light as the classics compute it: every light of the scene answers at every point, none is drawn by lot. An area light is one
+// light at its centre (Lights::lamps); the environment, which has no place, takes no part. What comes back is a LightSample with the delta
+// flag set and pdfW 1: its radiance is the irradiance at normal incidence, in lux. A point's answer to it is f |cos| radiance.
+//
+// A lamp never shadows itself. A flat mesh lies in one plane, which the shadow ray to its centre meets at its end only: it stops a rounding
+// bound before. The ray into any other mesh (a bulb) goes on behind each triangle of the same mesh that it meets; everything else on its
+// way, a lampshade or a socket, casts its shadow. A mesh that moves is lit from where it is in the middle of the shutter, and looked
+// through like a bulb, since at other times it is elsewhere.
+//
+// Sources: Whitted, An Improved Illumination Model for Shaded Display, 1980; Foley, van Dam, Feiner, Hughes, Computer Graphics: Principles
+// and Practice, 1990, equation 16.8 (attenuation).
+#pragma once
+#include "core/scene/scene.h"
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace chiaro {
+
+// How a lamp fades with the distance: by the inverse square, or as the classics have it by min(1, 1 / (c1 + c2 d + c3 d^2)), d in metres,
+// with the intensity in candela taken for the illuminance in lux where this is 1. Directional lights do not fade.
+struct Attenuation {
+    bool physical = true;
+    float c1 = 1, c2 = 0, c3 = 1;
+    float at(float distance) const noexcept {
+        const float sum = c1 + distance * (c2 + distance * c3);
+        return sum > 1 ? 1 / sum : 1;
+    }
+};
+
+class LocalLights {
+public:
+    LocalLights() = default;
+    explicit LocalLights(const Scene&, const Attenuation& = {});
+
+    uint32_t count() const noexcept { return uint32_t(lamps_.size()); } // of the lamps that shine
+    const Lamp& lamp(uint32_t i) const noexcept { return lamps_[i]; }
+    // What lamp i sends to this point if nothing is in the way; empty: nothing.
+    std::optional<LightSample> towards(uint32_t i, const SurfacePoint& from) const noexcept;
+    // Is something in the way? The shadow rays of samples that lamp i gave, best of neighbouring points.
+    void occluded(uint32_t i, std::span<const Ray>, std::span<uint8_t> answers) const noexcept;
+    // Is what was hit a part of lamp i?
+    bool own(uint32_t i, const Hit&) const noexcept;
+
+private:
+    bool hidden(uint32_t i, Ray) const noexcept;
+    std::optional<LightSample> fromMesh(const Lamp&, const SurfacePoint& from) const noexcept;
+    std::optional<LightSample> fromPunctual(const Lamp&, const SurfacePoint& from) const noexcept;
+
+    const Scene* scene_ = nullptr;
+    std::vector<Lamp> lamps_;
+    Attenuation attenuation_;
+    bool moves_ = false;
+    float margin_ = 0; // metres: bound of the rounding of any position in the scene
+};
+
+} // namespace chiaro
