@@ -1,11 +1,21 @@
 #!/bin/sh
 # Install the Debian packages that Chiaro is built from. Asks for root only when some are missing; safe to run again.
+# With the argument `browser` also those that the test of the comparison report in a browser needs.
 # Why each of them is here: CONTRIBUTING.md, "Dependencies".
 set -eu
 
 packages='g++ cmake ninja-build ccache lld pkg-config git
 libtbb-dev libembree-dev libopenimageio-dev libopencolorio-dev libimath-dev libtinygltf-dev nlohmann-json3-dev
-libeigen3-dev libfmt-dev libcli11-dev libxxhash-dev doctest-dev'
+libeigen3-dev libfmt-dev libcli11-dev libxxhash-dev zlib1g-dev doctest-dev'
+
+case ${1-} in
+    '') ;;
+    browser) packages="$packages chromium chromium-driver python3-selenium" ;;
+    *)
+        echo "setup: no such argument: $1; use 'browser' for the packages of the browser test, or nothing" >&2
+        exit 64
+        ;;
+esac
 
 missing_packages() {
     for package in $packages; do

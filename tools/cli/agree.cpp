@@ -43,6 +43,7 @@ View smallView(const AgreeSettings& s, const LoadedScene& loaded, CameraDesc& ca
     RenderSettings sized = s.base;
     sized.crop.clear();
     const View full = makeView(sized, loaded, camera, automatic);
+    if (sized.lens) sized.lens.focus = fmt::format("{}", camera.lens.focus); // a pixel is one of the full picture
     const double height = std::max(1.0, std::round(double(standardWidth) * full.height / full.width));
     sized.size = fmt::format("{}x{}", standardWidth, uint32_t(std::min(height, 65536.0)));
     sized.crop = s.base.crop;

@@ -1,4 +1,5 @@
 #include "tools/cli/agree_report.h"
+#include "tools/cli/deliver.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -32,13 +33,6 @@ Json biasJson(const Agreement& a) {
                                                 {"error", number(b.test.error)},   {"p", number(b.test.p)}};
     }
     return all;
-}
-
-std::string quoted(const std::string& text) {
-    if (text.find_first_of(",\"\n") == std::string::npos) return text;
-    std::string out = "\"";
-    for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return out + "\"";
 }
 
 } // namespace
@@ -75,10 +69,10 @@ std::string agreeCsv(const std::vector<AgreeRow>& rows) {
     for (const AgreeRow& r : rows) {
         const Agreement& a = r.judgement.agreement;
         const judge::Bias& b = a.bias[0];
-        text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{:.3f},{:.3f},{},{},{}\n", quoted(r.name),
+        text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{:.3f},{:.3f},{},{},{}\n", csvQuoted(r.name),
                             judge::verdictName(r.verdict), b.relative, b.interval.low, b.interval.high, a.resolution, a.image.p, a.tiles.p,
                             a.pixels.p, a.equivalenceP, r.rule.alpha, r.rule.margin, a.replicates, r.samples, r.seconds, r.referenceSeconds,
-                            r.judgement.moreSamples, quoted(r.judgedOn), quoted(r.text));
+                            r.judgement.moreSamples, csvQuoted(r.judgedOn), csvQuoted(r.text));
     }
     return text;
 }

@@ -36,6 +36,7 @@ void readScene(const Arguments& a, AgreeSettings& s) {
     s.base.sampler = SamplerKind(parseChoice("sampler", a.text("sampler"), {"sobol", "independent"}));
     s.base.filter = FilterKind(parseChoice("filter", a.text("filter"), {"box", "gauss", "blackman-harris"}));
     s.base.camera = a.text("camera");
+    s.base.lens = readLens(a);
     s.replicates = uint32_t(parseWhole("replicates", a.text("replicates"), 2, 1u << 16));
     if (a.given("spp")) s.spp = uint32_t(parseWhole("spp", a.text("spp"), 1, 1u << 24));
     if (a.given("time")) s.seconds = parseDuration("time", a.text("time"));

@@ -1,5 +1,6 @@
 #include "tools/cli/agree_stage.h"
 #include "tools/cli/agree_settings.h"
+#include "tools/cli/film_picture.h"
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -34,18 +35,6 @@ private:
     Clock::time_point start_ = Clock::now();
 };
 
-judge::Picture pictureOfFilm(const Film& film, std::string name) {
-    const Rect& r = film.layout().crop;
-    judge::Picture p{r.width(), r.height(), {}, {}, std::move(name), {}};
-    p.rgb.reserve(p.pixels() * 3);
-    for (uint32_t y = r.y0; y < r.y1; ++y)
-        for (uint32_t x = r.x0; x < r.x1; ++x) {
-            const Spectrum v = film.mean({x, y});
-            for (std::size_t c = 0; c < 3; ++c) p.rgb.push_back(v[c]);
-        }
-    return p;
-}
-
 // Renders the replicates of a stage, one after the other.
 class Renderer {
 public:
@@ -71,7 +60,7 @@ public:
         side.seconds += result.seconds;
         side.dropped += film.dropped();
         part_.next(request_.spp);
-        return pictureOfFilm(film, std::string(choice.entry->name));
+        return judgedPicture(film, std::string(choice.entry->name));
     }
 
 private:

@@ -28,8 +28,9 @@ struct Subject {
     std::vector<double> weights;   // of the levels in the limit; {1} without
     bool converging() const noexcept { return !parameter.empty(); }
 };
-// query: what the user wants (--paths, --max-depth). Error(Exit::usage) where an integrator sees none of it.
-std::vector<Subject> makeSubjects(const std::vector<IntegratorChoice>&, const PathQuery& query);
+// query: what the user wants (--paths, --max-depth). Error(Exit::usage) where an integrator sees none of it. limits: whether methods with a
+// convergence parameter are judged in its limit, at several levels, or as they were chosen.
+std::vector<Subject> makeSubjects(const std::vector<IntegratorChoice>&, const PathQuery& query, bool limits = true);
 std::size_t referenceCount(const std::vector<Subject>&);
 
 // Weights a of least squares without errors: sum a_l y_l is the constant of the fit y = c_0 + sum c_k h^(powers_k).

@@ -30,8 +30,6 @@ std::string inWords(const PathQuery& q) {
 }
 
 void addLevels(Subject& s) {
-    s.levels = {s.choice};
-    s.weights = {1};
     if (s.traits.unbiased || s.traits.convergesOver.empty()) return;
     const std::string& option = s.traits.convergesOver;
     double h = s.choice.options.real(option);
@@ -64,7 +62,7 @@ std::vector<double> limitWeights(const std::vector<double>& h, const std::vector
     return weights;
 }
 
-std::vector<Subject> makeSubjects(const std::vector<IntegratorChoice>& choices, const PathQuery& query) {
+std::vector<Subject> makeSubjects(const std::vector<IntegratorChoice>& choices, const PathQuery& query, bool limits) {
     std::vector<Subject> all;
     std::vector<uint64_t> hashes;
     for (const IntegratorChoice& choice : choices) {
@@ -84,7 +82,9 @@ std::vector<Subject> makeSubjects(const std::vector<IntegratorChoice>& choices, 
         const auto at = std::find(hashes.begin(), hashes.end(), s.classes.hash());
         s.reference = std::size_t(at - hashes.begin());
         if (at == hashes.end()) hashes.push_back(s.classes.hash());
-        addLevels(s);
+        s.levels = {s.choice};
+        s.weights = {1};
+        if (limits) addLevels(s);
         all.push_back(std::move(s));
     }
     return all;

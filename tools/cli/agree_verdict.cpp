@@ -49,14 +49,14 @@ Limit limitOf(const Subject& subject, const Trial& trial, const judge::Replicate
     return limit;
 }
 
-Judgement judgeBiased(const Subject& subject, Judgement j, const AgreementSettings& s) {
+// over: the parameter in whose limit it was judged; empty: none.
+Judgement judgeBiased(const std::string& over, Judgement j, const AgreementSettings& s) {
     const Agreement& a = j.agreement;
-    const std::string of = subject.converging() ? fmt::format(" in the limit of {}", subject.traits.convergesOver) : std::string();
+    const std::string of = over.empty() ? std::string() : fmt::format(" in the limit of {}", over);
     j.moreSamples = 0;
     if (j.limit && !j.limit->fits) {
         j.verdict = Verdict::differs;
-        j.text = fmt::format("differs: does not converge over {} as its powers say (residual of the fit p = {:.2g})",
-                             subject.traits.convergesOver, j.limit->fitP);
+        j.text = fmt::format("differs: does not converge over {} as its powers say (residual of the fit p = {:.2g})", over, j.limit->fitP);
     } else if (a.image.significant() && a.equivalenceP > s.alpha) {
         j.verdict = Verdict::biased;
         j.text = judge::describe(a, s) + of;
@@ -100,11 +100,18 @@ Judgement judgement(Agreement a, const AgreementSettings& s) {
     return j;
 }
 
+Judgement judgeEvidence(const Traits& traits, judge::Evidence test, judge::Evidence reference, const AgreementSettings& s) {
+    if (!test.pooled) floorPixelErrors(test);
+    if (!reference.pooled) floorPixelErrors(reference);
+    Judgement j = judgement(judge::decide(test, reference, s), s);
+    return traits.unbiased ? j : judgeBiased({}, std::move(j), s);
+}
+
 Judgement judgeTrial(const Subject& subject, const Trial& trial, const judge::Replicates& reference, AgreementSettings s) {
     Judgement j = judgement(compare(trial.limit, reference, s), s);
     if (subject.traits.unbiased) return j;
     if (subject.converging()) j.limit = limitOf(subject, trial, reference, s.alpha);
-    return judgeBiased(subject, std::move(j), s);
+    return judgeBiased(subject.converging() ? subject.traits.convergesOver : std::string(), std::move(j), s);
 }
 
 } // namespace chiaro::cli

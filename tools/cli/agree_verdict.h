@@ -29,6 +29,8 @@ struct Judgement {
 // In place: every pixel's error raised to the root mean square of its tile.
 void floorPixelErrors(judge::Evidence&);
 Judgement judgeTrial(const Subject&, const Trial&, const judge::Replicates& reference, judge::AgreementSettings);
+// One subject as it was chosen, without a limit, by what is known of both sides; tiles to be left out are out of both.
+Judgement judgeEvidence(const Traits&, judge::Evidence test, judge::Evidence reference, const judge::AgreementSettings&);
 // Pictures, or replicates of a biased method without a parameter: what `judge` says becomes a verdict.
 Judgement judgement(judge::Agreement, const judge::AgreementSettings&);
 

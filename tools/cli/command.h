@@ -60,8 +60,10 @@ std::string shellQuoted(std::string_view word);
 // Subcommands, one file each.
 int runRender(const Arguments&);
 int runInfo(const Arguments&);
+int runCompare(const Arguments&);
 int runDiff(const Arguments&);
 int runAgree(const Arguments&);
+int runTrace(const Arguments&);
 int runScenes(const Arguments&);
 int runIntegrators(const Arguments&);
 int runDoctor(const Arguments&);
@@ -70,6 +72,7 @@ std::span<const OptionRow> renderOptions();
 std::span<const OptionRow> infoOptions();
 std::string diffNotes();
 std::string agreeNotes();
+std::string compareNotes();
 
 std::string commandHelp(const Command&);
 std::string overview();

@@ -19,4 +19,11 @@ void deliver(const std::string& where, const std::string& content, const Console
     console.phase("wrote", where);
 }
 
+std::string csvQuoted(const std::string& text) {
+    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+    std::string out = "\"";
+    for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return out + "\"";
+}
+
 } // namespace chiaro::cli

@@ -10,5 +10,7 @@ namespace chiaro::cli {
 void checkTextOutputs(std::span<const std::string> files);
 // To the file, or for "-" to stdout in place of the text.
 void deliver(const std::string& where, const std::string& content, const Console&);
+// A field of CSV: in quotes where it needs them (RFC 4180).
+std::string csvQuoted(const std::string&);
 
 } // namespace chiaro::cli

@@ -3,6 +3,7 @@
 #pragma once
 #include "core/math/ray.h"
 #include "tools/cli/command.h"
+#include "tools/cli/picture_side.h"
 #include "tools/judge/metrics.h"
 #include <filesystem>
 #include <limits>
@@ -39,15 +40,8 @@ struct DiffSettings {
 };
 DiffSettings readDiffSettings(const Arguments&);
 
-struct DiffSide {
-    judge::Picture picture; // the area alone; linear
-    std::string file;
-    uint32_t width = 0, height = 0;             // of the whole picture
-    std::vector<std::string> channels, ignored; // names in the file; ignored ones by layer
-    bool encoded = false;                       // whole numbers, decoded by the sRGB curve
-};
 struct DiffInputs {
-    DiffSide a, b;
+    PictureSide a, b;
     Rect area;                          // of the whole pictures: what both have
     judge::Region region;               // in the area
     std::vector<judge::Channel> told;   // all five, or without luminance, or one for two grey pictures

@@ -1,106 +1,11 @@
-#include "core/scene/texture.h"
 #include "io/picture.h"
 #include "tools/cli/diff.h"
 #include "tools/cli/values.h"
 #include <algorithm>
-#include <cctype>
-#include <cmath>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 namespace chiaro::cli {
 namespace {
-
-std::string lower(std::string s) {
-    std::transform(s.begin(), s.end(), s.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-    return s;
-}
-
-// "albedo" of "albedo.R"; a name without a layer is its own.
-std::string layerOf(const std::string& channel) { return channel.substr(0, channel.rfind('.')); }
-
-std::vector<std::string> layersOf(const std::vector<std::string>& channels) {
-    std::vector<std::string> layers;
-    for (const std::string& c : channels)
-        if (std::find(layers.begin(), layers.end(), layerOf(c)) == layers.end()) layers.push_back(layerOf(c));
-    return layers;
-}
-
-using Triple = std::array<std::size_t, 3>;
-
-std::optional<Triple> named(const std::vector<std::string>& names, const std::string& layer, const char* const (&ends)[3]) {
-    Triple found{};
-    for (std::size_t c = 0; c < 3; ++c) {
-        const std::string wanted = lower(layer.empty() ? ends[c] : layer + "." + ends[c]);
-        const auto at = std::find_if(names.begin(), names.end(), [&](const std::string& n) { return lower(n) == wanted; });
-        if (at == names.end()) return std::nullopt;
-        found[c] = std::size_t(at - names.begin());
-    }
-    return found;
-}
-
-struct Chosen {
-    Triple channels{};
-    bool color = true;
-};
-
-// R G B of the layer, else its X Y Z, else its one channel; without a layer R G B, else Y, else the only channel.
-Chosen choose(const Picture& p, const std::string& file, const std::string& layer) {
-    if (!layer.empty()) {
-        if (const auto xyz = named(p.names, layer, {"X", "Y", "Z"})) return {*xyz, false};
-        for (std::size_t i = 0; i < p.names.size(); ++i)
-            if (lower(p.names[i]) == lower(layer)) return {{i, i, i}, false};
-    }
-    const judge::ChannelChoice choice = judge::chooseChannels(p.names, layer);
-    if (choice.red && choice.green && choice.blue) return {{*choice.red, *choice.green, *choice.blue}, true};
-    const std::vector<std::string> have = layersOf(p.names);
-    if (layer.empty())
-        throw Error(Exit::unsupported,
-                    fmt::format("{} has no R, G, B and no Y but {}; compare one of them with --layer NAME.", file, fmt::join(have, ", ")));
-    const std::string near = nearest(layer, have);
-    throw Error(Exit::unsupported, fmt::format("{} has no layer \"{}\"; have {}{}", file, layer, fmt::join(have, ", "),
-                                               near.empty() ? "" : fmt::format("; did you mean {}?", near)));
-}
-
-// Those channels within the area, interleaved.
-std::vector<float> cut(const Picture& p, const Triple& channels, const Rect& area, bool decode) {
-    std::vector<float> rgb;
-    rgb.reserve(area.area() * 3);
-    for (uint32_t y = area.y0; y < area.y1; ++y)
-        for (uint32_t x = area.x0; x < area.x1; ++x)
-            for (const std::size_t c : channels) {
-                const float v = p.planes[c][std::size_t(y - p.window.y0) * p.window.width() + (x - p.window.x0)];
-                rgb.push_back(decode ? srgbToLinear(v) : v);
-            }
-    return rgb;
-}
-
-DiffSide makeSide(const Picture& p, const std::string& file, const Chosen& chosen, const Rect& area, bool errors) {
-    DiffSide side;
-    side.file = file;
-    side.width = p.width;
-    side.height = p.height;
-    side.encoded = p.integer && chosen.color;
-    side.picture.width = area.width();
-    side.picture.height = area.height();
-    side.picture.name = file;
-    side.picture.rgb = cut(p, chosen.channels, area, side.encoded);
-    std::vector<bool> used(p.names.size());
-    for (const std::size_t c : chosen.channels) {
-        if (!used[c]) side.channels.push_back(p.names[c]);
-        used[c] = true;
-    }
-    const auto error = errors ? named(p.names, "error", {"R", "G", "B"}) : std::nullopt;
-    if (error) {
-        side.picture.error = cut(p, *error, area, false);
-        for (const std::size_t c : *error) used[c] = true;
-    }
-    std::vector<std::string> rest;
-    for (std::size_t c = 0; c < used.size(); ++c)
-        if (!used[c]) rest.push_back(p.names[c]);
-    side.ignored = layersOf(rest);
-    return side;
-}
 
 Rect common(const Rect& a, const Rect& b) {
     return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
@@ -143,11 +48,11 @@ void nameChannels(DiffInputs& in) {
 
 void readMask(DiffInputs& in, const DiffSettings& s) {
     const Picture mask = readPicture(s.mask);
-    const auto fits = [&](const DiffSide& side) { return mask.width == side.width && mask.height == side.height; };
+    const auto fits = [&](const PictureSide& side) { return mask.width == side.width && mask.height == side.height; };
     if ((!fits(in.a) && !fits(in.b)) || !inside(in.area, mask.window))
         throw Error(Exit::unsupported, fmt::format("--mask {} is {}x{}, {} is {}x{}; make the mask of that size.", s.mask,
                                                    mask.window.width(), mask.window.height(), s.fileA, in.a.width, in.a.height));
-    const std::vector<float> rgb = cut(mask, choose(mask, s.mask, {}).channels, in.area, false);
+    const std::vector<float> rgb = cutChannels(mask, chooseColor(mask, s.mask, {}).channels, in.area, false);
     in.region.mask.resize(in.area.area());
     for (std::size_t i = 0; i < in.region.mask.size(); ++i) in.region.mask[i] = (rgb[3 * i] + rgb[3 * i + 1] + rgb[3 * i + 2]) / 3 >= 0.5f;
 }
@@ -162,7 +67,7 @@ DiffInputs loadDiffInputs(const DiffSettings& s, Diagnostics& notes) {
     const Picture a = readPicture(s.fileA), b = readPicture(s.fileB);
     DiffInputs in;
     findArea(in, a, b, s);
-    const Chosen ofA = choose(a, s.fileA, s.layer), ofB = choose(b, s.fileB, s.layer);
+    const ChosenChannels ofA = chooseColor(a, s.fileA, s.layer), ofB = chooseColor(b, s.fileB, s.layer);
     in.color = ofA.color && ofB.color;
     in.a = makeSide(a, s.fileA, ofA, in.area, s.layer.empty());
     in.b = makeSide(b, s.fileB, ofB, in.area, s.layer.empty());

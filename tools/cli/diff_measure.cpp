@@ -74,7 +74,7 @@ void lookAtPixels(const DiffInputs& in, const DiffSettings& s, Difference& out) 
 }
 
 // FLIP LDR sees what a screen shows: the linear pictures times 2^EV.
-judge::Picture shownOnScreen(const DiffSide& side, double exposure) {
+judge::Picture shownOnScreen(const PictureSide& side, double exposure) {
     judge::Picture p = side.picture;
     if (side.encoded) return p;
     const float gain = float(std::exp2(exposure));

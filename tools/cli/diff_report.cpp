@@ -14,7 +14,7 @@ std::string number(double v) { return std::isnan(v) ? "-" : fmt::format("{:.6g}"
 
 std::size_t rowOf(const judge::Metric& m) { return std::size_t(&m - judge::metricTable().data()); }
 
-std::string sideLine(const char* label, const DiffSide& s, const Rect& area) {
+std::string sideLine(const char* label, const PictureSide& s, const Rect& area) {
     std::string text = fmt::format("{}  {}   {}x{}", label, s.file, s.width, s.height);
     if (area.width() != s.width || area.height() != s.height)
         text += fmt::format(", of it {}x{}+{}+{}", area.width(), area.height(), area.x0, area.y0);

@@ -1,5 +1,6 @@
 // What `chiaro diff` writes for programs: CSV, a line for every metric and channel, and one JSON object. A number that is not known is an
 // empty field or null; an infinite one is "inf" or "-inf".
+#include "tools/cli/deliver.h"
 #include "tools/cli/diff.h"
 #include <cmath>
 #include <fmt/format.h>
@@ -18,17 +19,11 @@ Json number(double v) {
 }
 std::string field(double v) { return std::isnan(v) ? "" : fmt::format("{}", v); }
 
-// RFC 4180: quoted where the text needs it.
-std::string field(const std::string& text) {
-    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-    std::string quoted = "\"";
-    for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return quoted + "\"";
-}
+std::string field(const std::string& text) { return csvQuoted(text); }
 
 std::size_t rowOf(const judge::Metric& m) { return std::size_t(&m - judge::metricTable().data()); }
 
-Json sideJson(const DiffSide& s) {
+Json sideJson(const PictureSide& s) {
     return {{"file", s.file},
             {"width", s.width},
             {"height", s.height},

@@ -78,6 +78,16 @@ Json camerasOf(const Scene& scene) {
     return all;
 }
 
+Json animationsOf(const LoadedScene& loaded) {
+    Json all = Json::array();
+    for (const AnimationInfo& a : loaded.animations) {
+        Json channels = Json::object();
+        for (const auto& [path, count] : a.channels) channels[path] = count;
+        all.push_back({{"name", a.name}, {"seconds", a.seconds}, {"channels", channels}, {"plays", a.used}});
+    }
+    return all;
+}
+
 Json lightsOf(const Scene& scene) {
     Json all = Json::array();
     for (const LightInfo& l : scene.lights().describe())
@@ -100,6 +110,7 @@ Json describeScene(const SceneRequest& request, Diagnostics& notes) {
     info["triangles"] = {{"stored", c.triangles}, {"drawn", c.trianglesDrawn}, {"emissive", c.emissiveTriangles}};
     info["instances"] = c.instances;
     info["cameras"] = camerasOf(scene);
+    info["animations"] = animationsOf(loaded);
     info["lights"] = lightsOf(scene);
     info["lumen"] = scene.lights().power();
     info["environment"] = loaded.environment;
@@ -142,6 +153,13 @@ void printScene(const Json& i) {
                            c.contains("yfov") ? fmt::format(", vertical angle {:.4g} deg", c["yfov"].get<double>()) : "",
                            c["aspect"].get<double>());
     });
+    if (!i["animations"].empty())
+        printList("animations", i["animations"], [](const Json& a, std::size_t n) {
+            std::string channels;
+            for (const auto& [path, count] : a["channels"].items()) channels += fmt::format(", {} {}", count.get<std::size_t>(), path);
+            return fmt::format("{} \"{}\"  {:.4g} s{}{}", n, text(a["name"]), a["seconds"].get<double>(), channels,
+                               a["plays"].get<bool>() ? ", plays" : "");
+        });
     printList("lights", i["lights"], [](const Json& l, std::size_t) {
         const uint64_t triangles = l["triangles"].get<uint64_t>();
         return fmt::format("{} \"{}\"  {:.4g} lm{}", text(l["kind"]), text(l["name"]), l["lumen"].get<double>(),

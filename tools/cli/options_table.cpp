@@ -1,7 +1,9 @@
 // The options of each subcommand: the one place where they are described.
 #include "tools/cli/agree_options.h"
 #include "tools/cli/command.h"
+#include "tools/cli/compare_options.h"
 #include "tools/cli/diff_options.h"
+#include "tools/cli/trace_options.h"
 #include <algorithm>
 #include <array>
 
@@ -9,7 +11,7 @@ namespace chiaro::cli {
 namespace {
 
 constexpr const char *method = "Method", *budget = "Budget", *output = "Output", *frame = "Picture", *sampling = "Sampling",
-                     *scene = "Scene", *display = "Display (PNG only; the EXR never changes)", *general = "General";
+                     *scene = "Scene", *display = "Display (PNG only; the EXR never changes)", *lens = "Lens", *general = "General";
 
 constexpr OptionRow envRow{
     .name = "env",
@@ -31,6 +33,20 @@ constexpr OptionRow missingTextureRow{.name = "missing-texture",
                                       .standard = "error",
                                       .group = scene,
                                       .sample = true};
+constexpr OptionRow frameTimeRow{
+    .name = "frame-time", .metavar = "T", .help = "the moment of the animation, seconds", .standard = "0", .group = scene, .sample = true};
+constexpr OptionRow shutterRow{.name = "shutter",
+                               .metavar = "D|OPEN:CLOSE",
+                               .help = "how long the shutter is open from --frame-time on, seconds (0.02, 1/48), or from when to when "
+                                       "relative to it (-0.01:0.01); what is animated blurs",
+                               .standard = "0",
+                               .group = scene,
+                               .sample = true};
+constexpr OptionRow animationRow{.name = "animation",
+                                 .metavar = "NAME|N|all|none",
+                                 .help = "which animation plays, by name or number (from 0), or all together; default: the first",
+                                 .group = scene,
+                                 .sample = true};
 constexpr OptionRow isaRow{.name = "isa",
                            .metavar = "NAME",
                            .help = "Embree's instruction set: sse2, sse4.2, avx, avx2 or avx512; default: the machine's best",
@@ -67,6 +83,11 @@ constexpr auto renderTable = std::to_array<OptionRow>({
      .help = "scatterings before Russian roulette may end a path; default: the integrator's",
      .group = method,
      .sample = true},
+    {.name = "aa",
+     .metavar = "MODE[:N]",
+     .help = "whitted's anti-aliasing: centre, grid, jitter, poisson or adaptive with N samples a pixel; default: samples from --filter",
+     .group = method,
+     .sample = true},
     {.name = "spp",
      .metavar = "N",
      .help = "samples a pixel, at most; 2k, 1M are understood; built-in scenes have their own default",
@@ -80,6 +101,12 @@ constexpr auto renderTable = std::to_array<OptionRow>({
              "and {scene}.png here",
      .group = output,
      .repeatable = true},
+    {.name = "aov",
+     .metavar = "LIST",
+     .help = "layers beside the beauty: albedo, normal, Z, cost, all or none; cost is what a sample takes: cost.time (microseconds of one "
+             "thread, another number in every run), cost.rays, cost.depth, and beside FILE.png also FILE.cost.rays.png ... in false colour",
+     .standard = "albedo,normal,Z",
+     .group = output},
     {.name = "size",
      .metavar = "WxH",
      .help = "pixels; default: 1280 wide by the camera's aspect (16:9 without); built-in scenes have their own",
@@ -114,10 +141,30 @@ constexpr auto renderTable = std::to_array<OptionRow>({
      .help = "camera by name or number (from 0); auto frames the whole scene; default: the first",
      .group = scene,
      .sample = true},
+    {.name = "aperture",
+     .metavar = "D|f/N",
+     .help = "diameter of the lens in metres, or an f-number on a 24 mm high sensor whose focal length follows from the camera's angle; "
+             "default: a pinhole",
+     .group = lens,
+     .sample = true},
+    {.name = "focus",
+     .metavar = "D|X,Y|auto",
+     .help = "what is sharp: metres along the viewing axis, what this pixel sees, or what the picture's centre sees",
+     .standard = "auto",
+     .group = lens,
+     .sample = true},
+    {.name = "blades",
+     .metavar = "N[:DEG]",
+     .help = "an opening of N straight edges, turned by so many degrees; default: round",
+     .group = lens,
+     .sample = true},
     envRow,
     envRotateRow,
     envScaleRow,
     missingTextureRow,
+    frameTimeRow,
+    shutterRow,
+    animationRow,
     {.name = "exposure",
      .metavar = "EV|auto",
      .help = "x 2^EV; auto brings the log-average to 0.18 with the 99.5 % quantile kept below clipping",
@@ -143,7 +190,8 @@ constexpr auto renderTable = std::to_array<OptionRow>({
     {.name = "verbose", .letter = 'v', .help = "more about what is used", .group = general},
 });
 
-constexpr auto infoTable = std::to_array<OptionRow>({envRow, envRotateRow, envScaleRow, missingTextureRow, isaRow, strictRow, jsonRow});
+constexpr auto infoTable = std::to_array<OptionRow>(
+    {envRow, envRotateRow, envScaleRow, missingTextureRow, frameTimeRow, shutterRow, animationRow, isaRow, strictRow, jsonRow});
 constexpr auto jsonTable = std::to_array<OptionRow>({jsonRow});
 constexpr std::span<const OptionRow> noOptions;
 
@@ -156,16 +204,77 @@ constexpr std::array<OptionRow, N + M> joined(const std::array<OptionRow, N>& a,
     std::copy(b.begin(), b.end(), std::copy(a.begin(), a.end(), all.begin()));
     return all;
 }
-constexpr auto agreeTable =
-    joined(agreeRows, std::to_array<OptionRow>({renderRow("max-depth"), renderRow("paths"), renderRow("crop"), renderRow("sampler"),
-                                                renderRow("filter"), renderRow("seed"), renderRow("threads"), isaRow, renderRow("camera"),
-                                                envRow, envRotateRow, envScaleRow, missingTextureRow, renderRow("config"), strictRow,
-                                                renderRow("progress"), renderRow("quiet"), renderRow("verbose")}));
+constexpr auto agreeTable = joined(agreeRows, std::to_array<OptionRow>({renderRow("max-depth"),
+                                                                        renderRow("paths"),
+                                                                        renderRow("crop"),
+                                                                        renderRow("sampler"),
+                                                                        renderRow("filter"),
+                                                                        renderRow("seed"),
+                                                                        renderRow("threads"),
+                                                                        isaRow,
+                                                                        renderRow("camera"),
+                                                                        renderRow("aperture"),
+                                                                        renderRow("focus"),
+                                                                        renderRow("blades"),
+                                                                        envRow,
+                                                                        envRotateRow,
+                                                                        envScaleRow,
+                                                                        missingTextureRow,
+                                                                        frameTimeRow,
+                                                                        shutterRow,
+                                                                        animationRow,
+                                                                        renderRow("config"),
+                                                                        strictRow,
+                                                                        renderRow("progress"),
+                                                                        renderRow("quiet"),
+                                                                        renderRow("verbose")}));
+
+// Every option of `render` on which the value of a sample depends, so that the same words ask for the same sample.
+constexpr bool ofSample(const OptionRow& o) { return o.sample && o.name != "integrator"; }
+constexpr auto sampleRows = [] {
+    std::array<OptionRow, std::size_t(std::count_if(renderTable.begin(), renderTable.end(), ofSample))> rows{};
+    std::copy_if(renderTable.begin(), renderTable.end(), rows.begin(), ofSample);
+    return rows;
+}();
+constexpr auto traceTable = joined(
+    traceRows, joined(sampleRows, std::to_array<OptionRow>({renderRow("threads"), renderRow("config"), strictRow, renderRow("quiet")})));
+
+constexpr auto compareTable = joined(compareRows, std::to_array<OptionRow>({renderRow("max-depth"),
+                                                                            renderRow("paths"),
+                                                                            renderRow("size"),
+                                                                            renderRow("crop"),
+                                                                            renderRow("sampler"),
+                                                                            renderRow("filter"),
+                                                                            renderRow("seed"),
+                                                                            renderRow("threads"),
+                                                                            isaRow,
+                                                                            renderRow("camera"),
+                                                                            renderRow("aperture"),
+                                                                            renderRow("focus"),
+                                                                            renderRow("blades"),
+                                                                            envRow,
+                                                                            envRotateRow,
+                                                                            envScaleRow,
+                                                                            missingTextureRow,
+                                                                            frameTimeRow,
+                                                                            shutterRow,
+                                                                            animationRow,
+                                                                            renderRow("exposure"),
+                                                                            renderRow("view"),
+                                                                            renderRow("ocio"),
+                                                                            renderRow("config"),
+                                                                            strictRow,
+                                                                            renderRow("progress"),
+                                                                            renderRow("quiet"),
+                                                                            renderRow("verbose")}));
 
 constexpr auto table = std::to_array<Command>({
     {"render", "SCENE", "one integrator, EXR + PNG", renderTable, runRender, 1, 1},
+    {"compare", "SCENE|IMAGE...", "several integrators or images side by side: report.html, sheet.png, results.csv, EXRs", compareTable,
+     runCompare, 1, 256, compareNotes},
     {"diff", "A B", "two images: metrics and an exit code", diffTable, runDiff, 2, 2, diffNotes},
     {"agree", "SCENE|A.exr B.exr", "do the integrators agree? a statistical verdict, an exit code", agreeTable, runAgree, 1, 2, agreeNotes},
+    {"trace", "SCENE --pixel X,Y", "the ray tree or path of one sample, as text and as GLB", traceTable, runTrace, 1, 1},
     {"info", "SCENE|IMAGE", "what is in it, what Chiaro will use, approximate, ignore, add", infoTable, runInfo, 1, 1},
     {"scenes", "", "the scenes inside the program", jsonTable, runScenes, 0, 0},
     {"integrators", "[NAME]", "the algorithms, their options and the light paths they cover", jsonTable, runIntegrators, 0, 1},

@@ -14,7 +14,15 @@ Metadata recipe(const RenderSettings& s, const LoadedScene& loaded, const View& 
     m.emplace_back("chiaro:scene", s.scene.operand);
     m.emplace_back("chiaro:sceneHash", fmt::format("{:016x}", loaded.scene->hash()));
     m.emplace_back("chiaro:camera", rendered.camera);
+    if (const LensDesc lens = view.camera.lens(); lens.radius > 0) {
+        m.emplace_back("chiaro:aperture", text(2 * lens.radius));
+        m.emplace_back("chiaro:focus", text(lens.focus));
+        if (lens.blades) m.emplace_back("chiaro:blades", fmt::format("{}:{:g}", lens.blades, lens.rotation * 180 / std::numbers::pi));
+    }
     m.emplace_back("chiaro:environment", loaded.environment);
+    m.emplace_back("chiaro:frameTime", text(s.scene.frameTime));
+    m.emplace_back("chiaro:shutter", fmt::format("{}:{}", view.shutter.open, view.shutter.close));
+    if (const std::string time = timeText(s.scene, loaded); !time.empty()) m.emplace_back("chiaro:animation", time);
     m.emplace_back("chiaro:integrator", integratorRecipe(s.integrator));
     if (!s.paths.paths.empty()) m.emplace_back("chiaro:paths", s.paths.paths);
     if (!s.paths.split.empty()) m.emplace_back("chiaro:split", s.paths.split);

@@ -1,6 +1,7 @@
 // chiaro render: one integrator, one picture.
 #include "core/render/depth.h"
 #include "io/replace_file.h"
+#include "tools/cli/cost_pictures.h"
 #include "tools/cli/recipe.h"
 #include "tools/cli/replay.h"
 #include "tools/cli/report.h"
@@ -44,13 +45,15 @@ bool anySample(const Film& film) {
 std::vector<std::filesystem::path> writeOutputs(const RenderSettings& s, const LoadedScene& loaded, const View& view,
                                                 const DisplayTransform& display, const Film& film, const Centres& centres,
                                                 Rendered& rendered) {
-    Picture picture = pictureOf(film, centres.depth);
+    Picture picture =
+        pictureOf(film, s.aov.depth ? std::span<const float>(centres.depth) : std::span<const float>(), {s.aov.albedo, s.aov.normal});
     const std::vector<float> rgb = interleavedBeauty(picture);
     rendered.automaticExposure = !s.exposure;
     rendered.exposure = s.exposure ? *s.exposure : autoExposure(rgb, centres.lamp);
     picture.metadata = recipe(s, loaded, view, display, film, rendered);
     const std::vector<std::filesystem::path> files = outputFiles(s, rendered.result.spp);
     for (const std::filesystem::path& file : files) {
+        if (!isExr(file) && s.aov.cost) writeCostPictures(file, picture);
         if (isExr(file))
             writeExr(file, picture);
         else
@@ -58,6 +61,15 @@ std::vector<std::filesystem::path> writeOutputs(const RenderSettings& s, const L
                      display.srgb());
     }
     return files;
+}
+
+// Beside the PNGs among the files, where the cost was asked for.
+std::vector<std::filesystem::path> costFilesOf(const RenderSettings& s, std::span<const std::filesystem::path> files) {
+    std::vector<std::filesystem::path> all;
+    for (const std::filesystem::path& file : files)
+        if (s.aov.cost && !isExr(file))
+            for (const std::filesystem::path& cost : costFiles(file)) all.push_back(cost);
+    return all;
 }
 
 void warnDropped(const RenderSettings& s, const Job& job, const Film& film) {
@@ -83,7 +95,8 @@ int renderFilm(const RenderSettings& s, const LoadedScene& loaded, const View& v
                             .height = view.height,
                             .crop = view.crop,
                             .layers = s.classes.layerNames(),
-                            .splats = s.integrator.entry->traits(s.integrator.options).splats};
+                            .splats = s.integrator.entry->traits(s.integrator.options).splats,
+                            .costs = s.aov.cost};
     checkMemory(layout);
     Film film(layout);
     StopToken stop;
@@ -101,10 +114,13 @@ int renderFilm(const RenderSettings& s, const LoadedScene& loaded, const View& v
     rendered.noise = film.noise();
     rendered.mean = film.meanLuminance();
     warnDropped(s, job, film);
-    const std::vector<std::filesystem::path> files = writeOutputs(s, loaded, view, display, film, seenAtCentres(job), rendered);
+    std::vector<std::filesystem::path> files = writeOutputs(s, loaded, view, display, film, seenAtCentres(job), rendered);
     console.warnings(notes);
     const int code = exitCode(s, rendered.result, notes);
+    const std::vector<std::filesystem::path> costs = costFilesOf(s, files);
+    for (const std::filesystem::path& file : costs) console.phase("cost", fmt::format("{}  in false colour", file.string()));
     tellDone(s, display, film, rendered, files, console);
+    files.insert(files.end(), costs.begin(), costs.end());
     if (s.json) printSummary(s, loaded, view, display, film, rendered, files, notes, code);
     return code;
 }
@@ -119,8 +135,11 @@ int runRender(const Arguments& arguments) {
     if (!display.note().empty()) notes.warn(display.note());
     const Executor run(s.threads);
     const bool replay = !s.pixel.empty();
-    if (!replay)
-        for (const std::filesystem::path& file : outputFiles(s, s.budget.spp)) checkWritable(file);
+    if (!replay) {
+        const std::vector<std::filesystem::path> files = outputFiles(s, s.budget.spp);
+        for (const std::filesystem::path& file : files) checkWritable(file);
+        for (const std::filesystem::path& file : costFilesOf(s, files)) checkWritable(file);
+    }
 
     tellHeader(s, run, console);
     const LoadedScene loaded = loadScene(s.scene, notes);
@@ -129,6 +148,7 @@ int runRender(const Arguments& arguments) {
     const View view = makeView(s, loaded, camera, automatic);
     const std::string cameraName = automatic ? "auto" : camera.name;
     tellScene(s, loaded, cameraName, console);
+    tellLens(s.lens, camera.lens, console);
     if (const auto unseen = unseenPaths(*loaded.scene, s.integrator, s.paths)) notes.warn(*unseen);
     console.warnings(notes);
     if (replay) return replaySample(s, loaded, view, run, notes, console);

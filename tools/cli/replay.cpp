@@ -5,6 +5,18 @@
 
 namespace chiaro::cli {
 
+Replayed replay(const Job& job, const CameraIntegrator& integrator, Pixel pixel, uint32_t sample, PathLog* log) {
+    Replayed r{.start = startPixel(job, pixel, sample, integrator.starts(job)), .value = {}};
+    Outputs out{FilmLayout{.width = job.view.width, .height = job.view.height, .crop = job.view.crop, .layers = job.classes.layerNames()}};
+    out.log = log;
+    PathStart start = r.start; // an integrator may use it up
+    integrator.radiance(job, start, out);
+    r.value = out.total();
+    r.rays = out.rays + 1;
+    r.depth = out.depth;
+    return r;
+}
+
 int replaySample(const RenderSettings& s, const LoadedScene& loaded, const View& view, const Executor& run, Diagnostics& notes,
                  Console& console) {
     const Pixel pixel = parsePixel("pixel", s.pixel, {view.width, view.height});
@@ -19,10 +31,7 @@ int replaySample(const RenderSettings& s, const LoadedScene& loaded, const View&
     const StopToken stop;
     const Job job{{*loaded.scene, s.classes, view.shutter, s.seed, s.sampler, run, stop, silent, notes}, view};
     made->prepare(job);
-    PathStart start = startPixel(job, pixel, s.sample);
-    Outputs out{FilmLayout{.width = view.width, .height = view.height, .crop = view.crop, .layers = s.classes.layerNames()}};
-    integrator->radiance(job, start, out);
-    const Spectrum value = out.total();
+    const Spectrum value = replay(job, *integrator, pixel, s.sample).value;
 
     console.warnings(notes);
     console.phase("sample",

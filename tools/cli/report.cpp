@@ -1,5 +1,7 @@
 #include "tools/cli/report.h"
+#include "tools/cli/integrator_list.h"
 #include "tools/cli/version.h"
+#include <algorithm>
 #include <cmath>
 #include <embree3/rtcore_config.h>
 #include <fmt/format.h>
@@ -30,6 +32,20 @@ double relativeMeanError(const Rendered& r) { return r.mean.value > 0 ? 1.96 * r
 
 nlohmann::ordered_json finiteOrNull(double v) { return std::isfinite(v) ? nlohmann::ordered_json(v) : nlohmann::ordered_json(nullptr); }
 
+// The same scene and view by every integrator of the registry that transports light; empty: there is one alone.
+std::string compareCommand(const RenderSettings& s) {
+    std::vector<std::string> names;
+    for (const IntegratorChoice& c : allLightTransport()) names.emplace_back(c.entry->name);
+    if (names.size() < 2) return {};
+    std::string line = fmt::format("chiaro compare {} -i {}", shellQuoted(s.scene.operand), fmt::join(names, ","));
+    const auto all = commands();
+    const auto compare = std::find_if(all.begin(), all.end(), [](const Command& c) { return c.name == "compare"; });
+    for (const OptionRow& o : s.arguments->command->options)
+        if (o.sample && o.name != "integrator" && o.name != "seed" && s.arguments->given(o.name) && findOption(*compare, o.name))
+            line += fmt::format(" --{} {}", o.name, shellQuoted(s.arguments->text(o.name)));
+    return line + " --time 10s";
+}
+
 std::string joined(std::span<const std::filesystem::path> files) {
     std::vector<std::string> names;
     for (const auto& f : files) names.push_back(f.string());
@@ -58,6 +74,7 @@ void tellScene(const RenderSettings& s, const LoadedScene& loaded, const std::st
     console.phase("scene", fmt::format("{:<62} {}", text, duration(loaded.seconds)));
     if (camera == "auto" && s.camera.empty())
         console.phase("added", "no camera in the scene: one that frames it all      keep it with: --camera auto");
+    if (const std::string time = timeText(s.scene, loaded); !time.empty()) console.phase("time", time);
     for (const std::string& line : loaded.added) console.phase("added", line);
     if (s.verbose)
         console.phase("", fmt::format("radius {:.4g} m, textures {}, light {:.4g} lm, hash {:016x}", loaded.scene->radius(),
@@ -98,6 +115,7 @@ void tellDone(const RenderSettings& s, const DisplayTransform& display, const Fi
     }
     if (!stopped && r.noise > 0.01 && r.result.spp < 1u << 20)
         console.phase("next", fmt::format("half the noise: {} --spp {}", sameSamples(s), 4 * std::max(1u, r.result.spp)));
+    if (const std::string compare = compareCommand(s); !stopped && !compare.empty()) console.phase("next", compare);
 }
 
 void printSummary(const RenderSettings& s, const LoadedScene& loaded, const View& view, const DisplayTransform& display, const Film& film,

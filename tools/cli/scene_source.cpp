@@ -1,9 +1,9 @@
 #include "tools/cli/scene_source.h"
 #include "core/scene/camera.h"
-#include "io/gltf.h"
 #include "io/image_read.h"
 #include "scenes/builtin.h"
 #include "tools/cli/command.h"
+#include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <filesystem>
@@ -61,6 +61,42 @@ void lightScene(SceneDesc& desc, const SceneRequest& request, LoadedScene& loade
         notes.warn("--env-rotate and --env-scale have no effect: there is no environment. Add --env FILE, studio or white.");
 }
 
+// "0.02", "1/48"
+double parseSeconds(const std::string& part, const std::string& text) {
+    const std::size_t slash = part.find('/');
+    try {
+        const double over = parseReal("shutter", part.substr(0, slash), -1e6, 1e6);
+        return slash == std::string::npos ? over : over / parseReal("shutter", part.substr(slash + 1), 1e-6, 1e6);
+    } catch (const Error&) {
+        throw Error(Exit::usage,
+                    fmt::format("--shutter: \"{}\" is not a time in seconds like 0.02 or 1/48, or OPEN:CLOSE like -0.01:0.01", text));
+    }
+}
+Interval parseShutter(const std::string& text) {
+    const std::size_t colon = text.find(':');
+    const double open = colon == std::string::npos ? 0 : parseSeconds(text.substr(0, colon), text);
+    const double close = parseSeconds(colon == std::string::npos ? text : text.substr(colon + 1), text);
+    if (close < open) throw Error(Exit::usage, fmt::format("--shutter {}: closes before it opens", text));
+    return {float(open), float(close)};
+}
+
+bool moves(const SceneDesc& desc) {
+    const auto moving = [](const auto& thing) { return thing.motion.size() > 1; };
+    return std::any_of(desc.instances.begin(), desc.instances.end(), moving) ||
+           std::any_of(desc.lights.begin(), desc.lights.end(), moving) || std::any_of(desc.cameras.begin(), desc.cameras.end(), moving);
+}
+
+void noteTime(const SceneRequest& request, const SceneDesc& desc, LoadedScene& loaded, Diagnostics& notes) {
+    const auto& all = loaded.animations;
+    if (request.shutter.close > request.shutter.open && !moves(desc))
+        notes.warn(fmt::format("--shutter has no effect: nothing moves in {} while it is open", request.operand));
+    if (all.empty() && (request.frameTime != 0 || !request.animation.empty()))
+        notes.warn(fmt::format("--frame-time and --animation have no effect: {} has no animation", request.operand));
+    if (all.size() > 1 && request.animation.empty())
+        loaded.added.push_back(
+            fmt::format("{} animations in the scene: the first, \"{}\", plays      keep it with: --animation 0", all.size(), all[0].name));
+}
+
 } // namespace
 
 std::string SceneRequest::stem() const {
@@ -75,6 +111,9 @@ SceneRequest readSceneRequest(const Arguments& arguments) {
     request.envRotate = float(parseReal("env-rotate", arguments.text("env-rotate"), -36000, 36000) * std::numbers::pi / 180);
     request.envScale = float(parseReal("env-scale", arguments.text("env-scale"), 0, 1e12));
     request.greyTextures = parseChoice("missing-texture", arguments.text("missing-texture"), {"error", "grey"}) == 1;
+    if (arguments.given("frame-time")) request.frameTime = parseReal("frame-time", arguments.text("frame-time"), -1e9, 1e9);
+    if (arguments.given("shutter")) request.shutter = parseShutter(arguments.text("shutter"));
+    request.animation = arguments.text("animation");
     if (arguments.given("isa")) {
         request.isa = arguments.text("isa");
         parseChoice("isa", request.isa, {"sse2", "sse4.2", "avx", "avx2", "avx512"});
@@ -90,14 +129,37 @@ LoadedScene loadScene(const SceneRequest& request, Diagnostics& notes, const std
         const BuiltinScene& builtin = builtinNamed(request.operand);
         desc = builtin.make();
         loaded.size = Size{builtin.width, builtin.height};
+        if (builtin.animate && request.animation != "none") {
+            builtin.animate(desc, request.frameTime, request.shutter);
+            loaded.animations = {{"flight", 1, {}, true}};
+        }
     } else {
-        desc = readGltf(request.operand, {request.greyTextures ? MissingTexture::grey : MissingTexture::error}, notes);
+        GltfContents found;
+        desc = readGltf(
+            request.operand,
+            {request.greyTextures ? MissingTexture::grey : MissingTexture::error, request.frameTime, request.shutter, request.animation},
+            notes, &found);
+        loaded.animations = std::move(found.animations);
     }
+    noteTime(request, desc, loaded, notes);
     lightScene(desc, request, loaded, notes);
     if (look) look(desc);
     loaded.scene = Scene::compile(std::move(desc), notes, request.isa);
     loaded.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return loaded;
+}
+
+std::string timeText(const SceneRequest& request, const LoadedScene& loaded) {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < loaded.animations.size(); ++i)
+        if (const AnimationInfo& a = loaded.animations[i]; a.used)
+            names.push_back(a.name.empty() ? fmt::format("{}", i) : fmt::format("\"{}\"", a.name));
+    if (names.size() > 3) names = {fmt::format("{} animations", names.size())};
+    if (names.empty()) return {};
+    std::string text = fmt::format("{} at {:g} s", fmt::join(names, ", "), request.frameTime);
+    if (request.shutter.close > request.shutter.open)
+        text += fmt::format(", shutter {:g} to {:g} s from there", request.shutter.open, request.shutter.close);
+    return text;
 }
 
 CameraDesc chooseCamera(const Scene& scene, const std::string& wanted, double aspect, bool& automatic) {

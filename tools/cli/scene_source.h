@@ -3,6 +3,7 @@
 #pragma once
 #include "core/render/error.h"
 #include "core/scene/scene.h"
+#include "io/gltf.h"
 #include "tools/cli/console.h"
 #include "tools/cli/values.h"
 #include <functional>
@@ -20,6 +21,9 @@ struct SceneRequest {
     float envRotate = 0; // radians
     float envScale = 1;
     bool greyTextures = false;
+    double frameTime = 0;  // seconds of the animation
+    Interval shutter;      // relative to it
+    std::string animation; // as typed; empty: the first
     std::string isa;
     std::string stem() const; // for file names: "cornell", "room"
 };
@@ -28,10 +32,11 @@ SceneRequest readSceneRequest(const Arguments&);
 
 struct LoadedScene {
     std::unique_ptr<const Scene> scene;
-    std::optional<Size> size;       // what a built-in scene proposes
-    double seconds = 0;             // reading and compiling
-    std::string environment;        // "of the scene", "studio", a path, "none"
-    std::vector<std::string> added; // "no light ...: ..."; with the option that fixes it
+    std::optional<Size> size;              // what a built-in scene proposes
+    double seconds = 0;                    // reading and compiling
+    std::string environment;               // "of the scene", "studio", a path, "none"
+    std::vector<AnimationInfo> animations; // of the file
+    std::vector<std::string> added;        // "no light ...: ..."; with the option that fixes it
 };
 // look: sees the description before it is compiled (and gone).
 LoadedScene loadScene(const SceneRequest&, Diagnostics&, const std::function<void(const SceneDesc&)>& look = {});
@@ -41,6 +46,9 @@ LoadedScene loadScene(const SceneRequest&, Diagnostics&, const std::function<voi
 EnvironmentDesc studioEnvironment();
 // The same radiance from everywhere.
 EnvironmentDesc whiteEnvironment();
+
+// What the time of the picture is, for people: "\"Walk\" at 0.5 s, shutter 0 to 0.02 s"; empty: nothing is animated.
+std::string timeText(const SceneRequest&, const LoadedScene&);
 
 // A camera by name, number or "auto" (also where the scene has none); `automatic` says that the scene was framed.
 CameraDesc chooseCamera(const Scene&, const std::string& wanted, double aspect, bool& automatic);

@@ -7,10 +7,32 @@
 namespace chiaro::cli {
 namespace {
 
+bool hasOption(const IntegratorChoice& choice, std::string_view name) {
+    const auto specs = choice.entry->options;
+    return std::any_of(specs.begin(), specs.end(), [&](const OptionSpec& s) { return s.name == name; });
+}
+
+// --aa MODE[:N] is the integrator's aa=MODE and aa-samples=N.
+void readAntiAliasing(const std::string& text, IntegratorChoice& choice) {
+    if (!hasOption(choice, "aa"))
+        throw Error(Exit::usage,
+                    fmt::format("--aa: {} has no patterns of its own, its samples follow --filter; try -i whitted", choice.entry->name));
+    const std::size_t colon = text.find(':');
+    choice.options.set("aa", text.substr(0, colon), "--aa");
+    if (colon != text.npos) choice.options.set("aa-samples", text.substr(colon + 1), "--aa");
+}
+
+// A pattern has so many positions: more samples would repeat them. 0: no pattern.
+uint32_t patternSamples(const IntegratorChoice& choice) {
+    if (!hasOption(choice, "aa") || choice.options.text("aa") == "filter") return 0;
+    return choice.options.text("aa") == "centre" ? 1 : uint32_t(choice.options.integer("aa-samples"));
+}
+
 // --rr-depth speaks to the integrator, unless its own option of that name was given there.
 IntegratorChoice readIntegrator(const Arguments& arguments) {
     std::string text = arguments.text("integrator");
     IntegratorChoice choice = chooseIntegrator(text);
+    if (arguments.given("aa")) readAntiAliasing(arguments.text("aa"), choice);
     if (!arguments.given("rr-depth")) return choice;
     const uint64_t depth = parseWhole("rr-depth", arguments.text("rr-depth"), 0, 1'000'000);
     const auto specs = choice.entry->options;
@@ -59,6 +81,7 @@ RenderSettings readSettings(const Arguments& a) {
     s.budget.spp = uint32_t(parseWhole("spp", a.text("spp"), 1, 1u << 31));
     if (a.given("time")) s.budget.seconds = parseDuration("time", a.text("time"));
     if (const BuiltinScene* builtin = findBuiltin(s.scene.operand); builtin && !a.given("spp")) s.budget.spp = builtin->spp;
+    if (const uint32_t pattern = patternSamples(s.integrator); pattern > 0 && !a.given("spp")) s.budget.spp = pattern;
     // A time alone is the budget; the default number of samples would end it early.
     if (a.given("time") && !a.given("spp")) s.budget.spp = 1u << 31;
     if (a.given("max-depth")) s.paths.maxDepth = uint32_t(parseWhole("max-depth", a.text("max-depth"), 0, unlimitedDepth - 1));
@@ -76,10 +99,12 @@ RenderSettings readSettings(const Arguments& a) {
     s.sampler = SamplerKind(parseChoice("sampler", a.text("sampler"), {"sobol", "independent"}));
     s.filter = FilterKind(parseChoice("filter", a.text("filter"), {"box", "gauss", "blackman-harris"}));
     s.camera = a.text("camera");
+    s.lens = readLens(a);
     if (a.text("exposure") != "auto") s.exposure = parseReal("exposure", a.text("exposure"), -100, 100);
     s.view = a.text("view");
     s.ocio = a.text("ocio");
     s.outputs = readOutputs(a);
+    s.aov = readLayers(a.text("aov"));
     s.strict = a.on("strict");
     s.json = a.on("json");
     s.quiet = a.on("quiet");
@@ -108,7 +133,9 @@ View makeView(const RenderSettings& settings, const LoadedScene& loaded, CameraD
     camera = chooseCamera(*loaded.scene, settings.camera, double(framed.width) / framed.height, automatic);
     const Size size = automatic ? framed : sizeOf(settings, loaded, &camera);
     View view;
-    view.camera = Camera(camera, size.width, size.height);
+    camera.lens = chooseLens(settings.lens, camera, *loaded.scene, size, loaded.scene->shutter().open);
+    view.shutter = loaded.scene->shutter();
+    view.camera = Camera(camera, size.width, size.height, view.shutter);
     view.width = size.width;
     view.height = size.height;
     view.crop = settings.crop.empty() ? Rect{0, 0, size.width, size.height} : parseCrop("crop", settings.crop, size);

@@ -3,11 +3,18 @@
 #include "core/render/render.h"
 #include "integrators/registry.h"
 #include "tools/cli/command.h"
+#include "tools/cli/lens.h"
 #include "tools/cli/progress_bar.h"
 #include "tools/cli/scene_source.h"
 #include <filesystem>
 
 namespace chiaro::cli {
+
+// Of --aov: what a picture carries beside its beauty.
+struct LayerChoice {
+    bool albedo = true, normal = true, depth = true, cost = false;
+};
+LayerChoice readLayers(const std::string& list);
 
 struct RenderSettings {
     const Arguments* arguments = nullptr;
@@ -23,9 +30,11 @@ struct RenderSettings {
     SamplerKind sampler = SamplerKind::sobol;
     FilterKind filter = FilterKind::blackmanHarris;
     std::string camera;
+    LensRequest lens;
     std::optional<double> exposure; // none: auto
     std::string view, ocio;
     std::vector<std::string> outputs; // patterns
+    LayerChoice aov;
     bool strict = false, json = false, quiet = false, verbose = false;
     ProgressMode progress = ProgressMode::automatic;
 };

@@ -27,6 +27,10 @@ std::string lightNames(const Scene& scene, const std::string& path) {
 
 } // namespace
 
+std::optional<std::string> unseenPath(const Scene& scene, const Traits& traits, const PathQuery& query) {
+    return missing(traits, query.paths, {LetterSet(possibleLetters(scene) | eyeLetter), query.maxDepth});
+}
+
 std::optional<std::string> unseenPaths(const Scene& scene, const IntegratorChoice& choice, const PathQuery& query) {
     const Traits traits = choice.entry->traits(choice.options);
     if (!traits.lightTransport) return {};

@@ -9,4 +9,7 @@ namespace chiaro::cli {
 // One line with an example path and, where the registry has one, an integrator that sees it; none: everything wanted is seen.
 std::optional<std::string> unseenPaths(const Scene&, const IntegratorChoice&, const PathQuery&);
 
+// The shortest of them, such as "La D D E".
+std::optional<std::string> unseenPath(const Scene&, const Traits&, const PathQuery&);
+
 } // namespace chiaro::cli

@@ -100,6 +100,24 @@ Evidence Replicates::evidence(const std::vector<uint8_t>& leftOut) const {
     return e;
 }
 
+Replicates::State Replicates::state() const {
+    State s{bad_, {}, {}, sums_};
+    for (const Running& p : pixels_) {
+        s.mean.push_back(p.mean);
+        s.m2.push_back(p.m2);
+    }
+    return s;
+}
+
+void Replicates::restore(State s) {
+    bool fits = s.bad.size() == bad_.size() && s.mean.size() == bad_.size() && s.m2.size() == bad_.size();
+    for (const auto& replicate : s.sums) fits &= replicate.size() == tileCounts_.size();
+    if (!fits) throw Error(Exit::unsupported, "replicates of another size cannot be gone on with");
+    bad_ = std::move(s.bad);
+    sums_ = std::move(s.sums);
+    for (std::size_t i = 0; i < pixels_.size(); ++i) pixels_[i] = {s.mean[i], s.m2[i]};
+}
+
 std::vector<uint8_t> badTiles(const Picture& p, const Region& region, uint32_t tile) {
     Replicates one(p.width, p.height, region, tile);
     one.add(p);

@@ -36,6 +36,16 @@ public:
     // Tiles marked in `leftOut` count at no scale: give both sides the union of their bad tiles.
     Evidence evidence(const std::vector<uint8_t>& leftOut) const;
 
+    // All that was accumulated, as plain values: to be kept in a file, and to go on from there.
+    struct State {
+        std::vector<uint8_t> bad;                                     // a pixel
+        std::vector<double> mean, m2;                                 // a pixel: luminance, and the sum of its squared deviations
+        std::vector<std::vector<std::array<double, meanCount>>> sums; // [replicate][tile]
+    };
+    State state() const;
+    // Of the same size, region and tile; throws Exit::unsupported where the lengths do not fit.
+    void restore(State);
+
 private:
     std::size_t tileOf(std::size_t pixel) const noexcept;
     struct Running {

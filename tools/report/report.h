@@ -30,6 +30,7 @@ struct Metric {
     double value = 0; // NaN: does not apply
     double error = 0; // half width of its 95 % interval over the seeds; 0: not known
     bool smallerIsBetter = true;
+    bool ranked = true; // false: no value is better than another (a mean, a count)
 };
 // One column of the comparison: an integrator, or a picture from anywhere.
 struct Entry {
@@ -42,14 +43,14 @@ struct Entry {
     std::vector<Image> layers; // per bounce and path class; same size
     std::vector<Map> maps;
     std::vector<Metric> metrics;
-    double seconds = 0, prepassSeconds = 0; // of one seed, pre-pass included in seconds; 0 where there was no render
-    double spp = 0;
+    double seconds = 0, prepassSeconds = 0; // of all seeds together, pre-passes included in seconds; 0 where there was no render
+    double spp = 0;                         // the same
     uint32_t seeds = 1;
     uint64_t dropped = 0; // non-finite samples, or non-finite pixels of a file
     std::string file;     // the EXR beside the page
     std::string command;  // that makes this picture alone
 };
-// Error of one entry as it renders on, over the seeds.
+// Error of one seed of an entry as it renders on: the mean over the seeds, with their spread.
 struct CurvePoint {
     double seconds = 0, spp = 0, error = 0; // relative root mean square error to the reference
     double low = 0, high = 0;               // band over the seeds: smallest and largest

@@ -1,0 +1,221 @@
+#include "tools/cli/compare_contest.h"
+#include "core/math/vec.h"
+#include "tools/cli/film_picture.h"
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace chiaro::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double secondsSince(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
+
+constexpr double pictureBytes = 1e9;                // of all seeds' pictures together
+constexpr uint32_t leastSeeds = 4, fewestSeeds = 2; // by half of the time; by all of it
+constexpr double leastPrepass = 1e-4;               // seconds; below, there is none
+
+// Prepares once, however often the driver is called, and knows how long that took.
+class PreparedOnce : public Integrator {
+public:
+    explicit PreparedOnce(std::unique_ptr<Integrator> inner) : inner_(std::move(inner)) {}
+    void prepare(const Job& job) override {
+        if (prepared_) return;
+        const auto begin = Clock::now();
+        inner_->prepare(job);
+        seconds_ = secondsSince(begin);
+        prepared_ = true;
+    }
+    void render(const Job& job, const Pass& pass, Film& film) override { inner_->render(job, pass, film); }
+    double seconds() const noexcept { return seconds_; }
+
+private:
+    std::unique_ptr<Integrator> inner_;
+    bool prepared_ = false;
+    double seconds_ = 0;
+};
+
+double samplesOf(const Film& film) {
+    const Rect& r = film.layout().crop;
+    double sum = 0;
+    for (uint32_t y = r.y0; y < r.y1; ++y)
+        for (uint32_t x = r.x0; x < r.x1; ++x) sum += film.next({x, y});
+    return sum / double(r.area());
+}
+
+double meanLuminance(const judge::Picture& p) {
+    double sum = 0;
+    for (std::size_t i = 0; i < p.rgb.size(); i += 3) sum += luminance(Rgb<double>(p.rgb[i], p.rgb[i + 1], p.rgb[i + 2]));
+    return sum / double(p.pixels());
+}
+
+// The next number of samples to look at: powers of two; on the way to a noise, no further than the square root law promises.
+uint32_t nextLook(const Film& film, double noise) {
+    const uint32_t done = film.done(), doubled = done == 0 ? 1 : done > 1u << 29 ? 1u << 30 : 2 * done;
+    if (noise <= 0 || done < 2) return doubled;
+    const double now = film.noise(), wanted = 1.02 * done * (now / noise) * (now / noise);
+    return std::isfinite(wanted) ? std::clamp(uint32_t(std::min(wanted, 1e9)), done + 1, doubled) : doubled;
+}
+
+} // namespace
+
+Contestant::Contestant(IntegratorChoice c, PathClasses paths, const View& view)
+    : choice(std::move(c)), traits(choice.entry->traits(choice.options)), name(integratorRecipe(choice)), file(fileName(choice) + ".exr"),
+      classes(std::move(paths)), judged(view.crop.width(), view.crop.height()) {}
+
+double Contestant::seconds() const noexcept {
+    double sum = 0;
+    for (const SeedRun& r : runs) sum += r.seconds;
+    return sum;
+}
+double Contestant::prepassSeconds() const noexcept {
+    double sum = 0;
+    for (const SeedRun& r : runs) sum += r.prepassSeconds;
+    return sum;
+}
+double Contestant::spp() const noexcept {
+    double sum = 0;
+    for (const SeedRun& r : runs) sum += r.spp;
+    return sum;
+}
+FilmLayout Contestant::layout(const View& view) const {
+    return {.width = view.width, .height = view.height, .crop = view.crop, .layers = classes.layerNames(), .splats = traits.splats};
+}
+
+double bytesNeeded(const std::vector<Contestant>& all, const View& view) {
+    double sum = 0, most = 0;
+    for (const Contestant& c : all) {
+        const double film = double(c.layout(view).bytes());
+        sum += film + 80.0 * double(view.crop.area()); // and its measures, maps and the copy in the report
+        most = std::max(most, film);
+    }
+    constexpr double ofReference = 300; // a pixel: sums, picture, FLIP's planes
+    return sum + most + std::min(pictureBytes, 12.0 * standardSeeds * double(all.size()) * double(view.crop.area())) +
+           ofReference * double(view.crop.area());
+}
+
+Contest::Contest(const CompareSettings& s, const Job& job, StopToken& stop, std::vector<Contestant>& all)
+    : s_(s), job_(job), stop_(stop), all_(all), seeds_(s.seeds.value_or(standardSeeds)) {
+    if (s.equal == Equal::spp) seeds_ = std::min(seeds_, s.spp);
+}
+
+void Contest::pilot() {
+    Progress silent;
+    for (Contestant& c : all_) {
+        if (stop_.cancelled()) return;
+        Film film(c.layout(job_.view));
+        const Job job{{job_.scene, c.classes, job_.shutter, uint64_t(1) << 61, job_.sampler, job_.run, job_.stop, silent, job_.notes,
+                       job_.memoryLimit},
+                      job_.view,
+                      nullptr};
+        const auto integrator = c.choice.entry->make(c.choice.options);
+        const uint32_t spp = s_.equal == Equal::noise ? 2 : 1;
+        c.pilotSeconds = chiaro::render(job, *integrator, film, {spp, infinity}, stop_).seconds / spp;
+        if (s_.equal == Equal::noise && std::isfinite(film.noise())) pilotNoise_ = std::max(pilotNoise_, film.noise());
+    }
+}
+
+uint32_t Contest::chooseSeeds(Diagnostics& notes) {
+    if (s_.equal != Equal::time) return seeds_;
+    double slowest = 0;
+    std::string name;
+    for (const Contestant& c : all_)
+        if (c.pilotSeconds > slowest) slowest = c.pilotSeconds, name = c.name;
+    // Each seed takes at least one sample; half of the time at most may go into these.
+    if (!s_.seeds) seeds_ = uint32_t(std::clamp(0.5 * s_.seconds / std::max(slowest, 1e-9), double(leastSeeds), double(standardSeeds)));
+    if (!s_.seeds && slowest * seeds_ > s_.seconds) seeds_ = fewestSeeds;
+    if (slowest * seeds_ > s_.seconds)
+        notes.warn(
+            fmt::format("{} needs about {:.1f} s for one sample a pixel with each of {} seeds, more than --time {:g}s: the times will not "
+                        "be equal. Give more --time, fewer --seeds or a smaller --size",
+                        name, slowest * seeds_, seeds_, s_.seconds));
+    return seeds_;
+}
+
+double Contest::samplesFor(double noise) const {
+    const double ratio = noise > 0 ? pilotNoise_ / noise : 0;
+    return std::max(256.0, 2 * ratio * ratio);
+}
+
+Course::Part Contest::planned() const {
+    Course::Part part;
+    for (const Contestant& c : all_) {
+        part.samples += s_.spp;
+        const double squared = pilotNoise_ / s_.noise * (pilotNoise_ / s_.noise);
+        part.seconds += s_.equal == Equal::time  ? s_.seconds
+                        : s_.equal == Equal::spp ? s_.spp * c.pilotSeconds
+                                                 : std::min(s_.seconds, 2 * c.pilotSeconds * std::max(1.0, squared));
+    }
+    return part;
+}
+
+Contest::Limit Contest::limitOf(const Contestant& c, uint32_t round) const {
+    const double left = std::max(0.0, s_.seconds - c.seconds()) / (seeds_ - round);
+    switch (s_.equal) {
+    case Equal::time: return {1u << 30, left, 0};
+    case Equal::spp: return {s_.spp / seeds_ + (round < s_.spp % seeds_ ? 1 : 0), infinity, 0};
+    case Equal::noise: return {std::max(1u, s_.spp / seeds_), left, s_.noise * std::sqrt(double(seeds_))};
+    }
+    return {};
+}
+
+void Contest::run(Course& course, const MeasureError& measure) {
+    const Course::Part all = planned();
+    const double pictures = double(all_.size()) * seeds_;
+    for (uint32_t round = 0; round < seeds_; ++round)
+        for (std::size_t i = 0; i < all_.size() && !stop_.cancelled(); ++i) {
+            Contestant& c = all_[(i + round) % all_.size()];
+            const Limit limit = limitOf(c, round);
+            const bool open = s_.equal == Equal::noise;
+            course.begin({double(limit.spp), all.seconds / pictures, limit.spp < 1u << 30 ? double(limit.spp) : infinity,
+                          open ? all.seconds / pictures : limit.seconds});
+            renderSeed(c, s_.base.seed + round, limit, course, measure);
+            course.end();
+        }
+}
+
+void Contest::renderSeed(Contestant& c, uint64_t seed, const Limit& limit, Course& course, const MeasureError& measure) {
+    auto film = std::make_unique<Film>(c.layout(job_.view));
+    const Job job{{job_.scene, c.classes, job_.shutter, seed, job_.sampler, job_.run, job_.stop, course, job_.notes, job_.memoryLimit},
+                  job_.view,
+                  nullptr};
+    PreparedOnce integrator(c.choice.entry->make(c.choice.options));
+    SeedRun run;
+    run.seed = seed;
+    for (bool more = true; more;) {
+        const uint32_t target = std::min(limit.spp, nextLook(*film, limit.noise));
+        const RenderResult result = chiaro::render(job, integrator, *film, {target, limit.seconds - run.seconds}, stop_);
+        run.seconds += result.seconds;
+        more = result.ended == Ended::spp && film->done() < limit.spp && run.seconds < limit.seconds;
+        if (more && limit.noise > 0 && film->done() >= 2) {
+            const double noise = film->noise();
+            more = noise > limit.noise; // black: no number
+            if (!more) break;
+        }
+        if (measure && more && c.traits.lightTransport)
+            run.snapshots.push_back({run.seconds, double(film->done()), measure(judgedPicture(*film, c.name))});
+    }
+    run.whole = !stop_.cancelled() && film->done() > 0;
+    if (integrator.seconds() > leastPrepass) run.prepassSeconds = integrator.seconds();
+    if (limit.noise > 0 && film->noise() > 1.1 * limit.noise) c.reached = false;
+    run.picture = judgedPicture(*film, c.name);
+    run.mean = meanLuminance(run.picture);
+    run.spp = samplesOf(*film);
+    if (measure && run.whole && c.traits.lightTransport) run.snapshots.push_back({run.seconds, run.spp, measure(run.picture)});
+    if (run.whole) c.judged.add(c.judgedLayer < 0 ? run.picture : judgedLayer(*film, c.judgedLayer, c.name));
+    keep(c, std::move(run), std::move(film));
+}
+
+bool Contest::keepsPictures() const { return 12.0 * double(job_.view.crop.area()) * seeds_ * double(all_.size()) <= pictureBytes; }
+
+void Contest::keep(Contestant& c, SeedRun run, std::unique_ptr<Film> film) {
+    if (run.spp == 0) return;
+    if (!keepsPictures() || !run.whole) run.picture = {};
+    c.runs.push_back(std::move(run));
+    if (c.film)
+        c.film->merge(*film);
+    else
+        c.film = std::move(film);
+}
+
+} // namespace chiaro::cli

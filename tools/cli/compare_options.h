@@ -1,0 +1,87 @@
+// The options of `chiaro compare` that no other command has, or that mean something else here.
+#pragma once
+#include "tools/cli/command.h"
+#include <array>
+
+namespace chiaro::cli {
+
+namespace compare_groups {
+inline constexpr const char *method = "Method", *equal = "What is held equal", *reference = "Reference", *pictures = "Pictures from files",
+                            *output = "Output";
+}
+
+inline constexpr auto compareRows = std::to_array<OptionRow>({
+    {.name = "integrator",
+     .letter = 'i',
+     .metavar = "LIST",
+     .help = "NAME[:key=value,...],NAME,...; default: all that transport light; debug views are shown beside them",
+     .group = compare_groups::method,
+     .sample = true},
+    {.name = "split",
+     .metavar = "paths|bounces|LIST",
+     .help = "layers of every picture: ten path classes, one a bounce, or direct,indirect, or NAME=EXPR,...,rest; default: none",
+     .group = compare_groups::method,
+     .sample = true},
+    {.name = "equal",
+     .metavar = "time|spp|noise",
+     .help = "what all integrators have in common; default: the one of --time, --spp and --noise that is given, else time",
+     .group = compare_groups::equal,
+     .sample = true},
+    {.name = "time",
+     .metavar = "D",
+     .help = "for each integrator, all its seeds and pre-passes together; with --equal noise: at most",
+     .standard = "10s",
+     .group = compare_groups::equal,
+     .sample = true},
+    {.name = "spp",
+     .metavar = "N",
+     .help = "samples a pixel of each integrator, all its seeds together; with --equal noise: at most",
+     .standard = "64",
+     .group = compare_groups::equal,
+     .sample = true},
+    {.name = "noise",
+     .metavar = "PERCENT",
+     .help = "relative error that each integrator's picture is rendered to",
+     .standard = "2",
+     .group = compare_groups::equal,
+     .sample = true},
+    {.name = "seeds",
+     .metavar = "N",
+     .help = "independent renders that share the budget of an integrator; all error bars and verdicts come from their spread, the picture "
+             "is all of them merged; default: 16, fewer where the budget is too small",
+     .group = compare_groups::equal,
+     .sample = true},
+    {.name = "ref",
+     .metavar = "auto|none|FILE",
+     .help = "auto: replicas of the path tracer with seeds of their own, kept and used again; for pictures alone: the last one",
+     .standard = "auto",
+     .group = compare_groups::reference},
+    {.name = "ref-time",
+     .metavar = "D",
+     .help = "of the reference; default: four times --time, eight times --spp, or half of --noise",
+     .group = compare_groups::reference,
+     .sample = true},
+    {.name = "cache",
+     .metavar = "DIR|none",
+     .help = "where references are kept; default: $XDG_CACHE_HOME/chiaro or ~/.cache/chiaro",
+     .group = compare_groups::reference,
+     .sample = true},
+    {.name = "layer", .metavar = "NAME", .help = "this layer of the files instead of R G B", .group = compare_groups::pictures},
+    {.name = "fit", .help = "compare the rectangle that all pictures have, from the upper left corner", .group = compare_groups::pictures},
+    {.name = "output",
+     .letter = 'o',
+     .metavar = "FOLDER",
+     .help = "for report.html, sheet.png, results.csv, results.json and the EXRs; {scene} expands",
+     .standard = "{scene}-compare",
+     .group = compare_groups::output},
+    {.name = "csv",
+     .metavar = "FILE|-",
+     .help = "results.csv once more; -: to stdout in place of the table",
+     .group = compare_groups::output},
+    {.name = "json",
+     .metavar = "FILE|-",
+     .help = "results.json once more; -: to stdout in place of the table",
+     .group = compare_groups::output},
+});
+
+} // namespace chiaro::cli

@@ -1,0 +1,20 @@
+# The page of the comparison report becomes one resource of the program: the template, the style, and the modules joined into one script in
+# the order in which they need each other. Joined, `import` lines fall away and `export` is dropped: names are unique across modules.
+# The hashes of style and script go into the page's content security policy, so that nothing else can ever run in it.
+set(report_folder ${CMAKE_CURRENT_LIST_DIR})
+set(report_modules formats color picture state draw views input plot tables controls main)
+file(READ ${report_folder}/page.html CHIARO_PAGE_HTML)
+file(READ ${report_folder}/style.css CHIARO_PAGE_STYLE)
+set(CHIARO_PAGE_SCRIPT "")
+foreach(module ${report_modules})
+  file(READ ${report_folder}/${module}.js text)
+  string(REGEX REPLACE "(^|\n)import [^;]*;" "\\1" text "${text}")
+  string(REGEX REPLACE "(^|\n)export " "\\1" text "${text}")
+  string(APPEND CHIARO_PAGE_SCRIPT "${text}")
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${report_folder}/${module}.js)
+endforeach()
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${report_folder}/page.html ${report_folder}/style.css)
+string(SHA256 CHIARO_PAGE_STYLE_HASH "${CHIARO_PAGE_STYLE}")
+string(SHA256 CHIARO_PAGE_SCRIPT_HASH "${CHIARO_PAGE_SCRIPT}")
+configure_file(${report_folder}/page.cpp.in ${CMAKE_BINARY_DIR}/report/page.cpp @ONLY)
+target_sources(chiaro_report PRIVATE ${CMAKE_BINARY_DIR}/report/page.cpp)
