@@ -111,12 +111,9 @@ struct Settings {
 class Bench {
 public:
     Bench(const Scene& scene, const CameraDesc& camera, const Settings& s)
-        : settings(s), classes(s.maxDepth), run(s.threads), view{Camera(camera, s.width, s.height),
-                                                                 s.width,
-                                                                 s.height,
-                                                                 s.crop.area() ? s.crop : Rect{0, 0, s.width, s.height},
-                                                                 Filter(s.filter),
-                                                                 {}},
+        : settings(s), classes(s.maxDepth), run(s.threads),
+          view{Camera(camera, s.width, s.height, scene.shutter()),     s.width,          s.height,
+               s.crop.area() ? s.crop : Rect{0, 0, s.width, s.height}, Filter(s.filter), scene.shutter()},
           job{{scene, classes, view.shutter, s.seed, s.sampler, run, stop, progress, notes}, view} {}
     Bench(const Bench&) = delete;
     FilmLayout layout() const { return {view.width, view.height, view.crop, {}, false}; }
@@ -154,7 +151,10 @@ inline Spectrum meanOf(const Film& film) {
 inline Rendering rendered(const Scene& scene, const CameraDesc& camera, const Settings& s, const std::string& integrator = "path") {
     Bench bench(scene, camera, s);
     Rendering r;
-    r.film = std::make_unique<Film>(bench.layout());
+    FilmLayout layout = bench.layout();
+    const IntegratorChoice choice = chooseIntegrator(integrator);
+    layout.splats = choice.entry->traits(choice.options).splats;
+    r.film = std::make_unique<Film>(layout);
     bench.render(*r.film, integrator);
     r.mean = meanOf(*r.film);
     return r;

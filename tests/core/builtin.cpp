@@ -90,7 +90,7 @@ TEST_SUITE("builtin scenes") {
 
     TEST_CASE("the list: names, sizes, pages") {
         std::set<std::string_view> names;
-        REQUIRE(builtinScenes().size() == 5);
+        REQUIRE(builtinScenes().size() == 6);
         for (const BuiltinScene& b : builtinScenes()) {
             CAPTURE(b.name);
             CHECK(b.name.starts_with("@"));
@@ -127,8 +127,9 @@ TEST_SUITE("builtin scenes") {
                 lit = lit || !black(materialOf(s, i).emission);
             }
             CHECK(lit);
-            CHECK(s.images.empty());
-            CHECK(s.textures.empty());
+            for (const ImageDesc& i : s.images) // made in code: no file is read
+                CHECK(i.pixels.size() == std::size_t(i.width) * i.height * i.channels * (i.type == PixelType::u8 ? 1 : 4));
+            for (const TextureDesc& t : s.textures) CHECK(std::size_t(t.image) < s.images.size());
             REQUIRE(!s.cameras.empty());
             CHECK(s.cameras.front().name == "main");
             for (const CameraDesc& c : s.cameras) CHECK(c.toWorld.determinant() == doctest::Approx(1).epsilon(1e-12));
@@ -149,6 +150,29 @@ TEST_SUITE("builtin scenes") {
                 if (m.metallic == 0 && m.transmission == 0) CHECK(m.specular == 0);
                 if (m.transmission > 0) CHECK((m.volume && !m.doubleSided && m.ior == 1.5f));
             }
+        }
+    }
+
+    TEST_CASE("what is animated moves through the place that it has at rest, and keeps its size") {
+        for (const BuiltinScene& b : builtinScenes()) {
+            if (!b.animate) continue;
+            CAPTURE(b.name);
+            SceneDesc rest = b.make(), still = b.make(), moving = b.make();
+            b.animate(still, 0, {});
+            b.animate(moving, 0.25, {-0.25f, 0.75f});
+            std::size_t moved = 0;
+            for (std::size_t i = 0; i < rest.instances.size(); ++i) {
+                CHECK(std::equal(&rest.instances[i].toWorld.m[0][0], &rest.instances[i].toWorld.m[0][0] + 12,
+                                 &still.instances[i].toWorld.m[0][0]));
+                CHECK(still.instances[i].motion.empty());
+                const MotionDesc& m = moving.instances[i].motion;
+                if (m.empty()) continue;
+                ++moved;
+                REQUIRE(m.size() >= 2);
+                for (const Affine& a : m) CHECK(a.determinant() == doctest::Approx(rest.instances[i].toWorld.determinant()).epsilon(1e-12));
+                CHECK(std::equal(&m[0].m[0][0], &m[0].m[0][0] + 12, &rest.instances[i].toWorld.m[0][0])); // 0.25 - 0.25: at the beginning
+            }
+            CHECK(moved > 0);
         }
     }
 

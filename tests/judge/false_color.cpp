@@ -50,6 +50,39 @@ TEST_SUITE("false color") {
         drawText(canvas, 15, 5, "\xc3\xa4", inkColor, 4); // cut, and boxes for what is not ASCII
     }
 
+    TEST_CASE("text is counted and shortened by characters, whatever its bytes are") {
+        CHECK(characters("K\xc3\xbc"
+                         "che") == 5);
+        CHECK(characters("\xff\xc3") == 2); // no UTF-8: a box a byte
+        CHECK(textWidth("\xe4\xb8\xad") == glyphWidth);
+        CHECK(shortened("path", 4) == "path");
+        CHECK(shortened("photon", 4) == "pho\u2026");
+        CHECK(shortened("\xc3\xbc\xc3\xbc\xc3\xbc", 2) == "\u00fc\u2026");
+        CHECK(shortened("photon", 1) == "\u2026");
+        CHECK(shortened("photon", 0).empty());
+        const auto drawn = [](std::string_view text) {
+            Canvas canvas(40, 30, paperColor);
+            drawText(canvas, 2, 2, text, inkColor, 3);
+            return canvas.rgb;
+        };
+        CHECK(drawn("\xc3\xa4") == drawn("a")); // without its accent
+        CHECK(drawn("\xc3\x97") != drawn("\x01"));
+        CHECK(drawn("\x01") == drawn("\xff"));
+    }
+
+    TEST_CASE("from scale 2 on letters are smooth, and no wider than their cells") {
+        Canvas canvas(3 * (glyphWidth + 2), 3 * (glyphHeight + glyphDescent + 2), paperColor);
+        drawText(canvas, 3, 3, "g", inkColor, 3);
+        bool between = false;
+        for (uint32_t y = 0; y < canvas.height; ++y)
+            for (uint32_t x = 0; x < canvas.width; ++x) {
+                const uint8_t v = canvas.rgb[3 * (y * canvas.width + x)];
+                between |= v != inkColor[0] && v != paperColor[0];
+                if (x < 3 || x >= 3 * (glyphWidth + 1) || y < 3 || y >= 3 * (glyphHeight + glyphDescent + 1)) CHECK(v == paperColor[0]);
+            }
+        CHECK(between);
+    }
+
     TEST_CASE("pictures of a pixel and pictures of thousands have a legend") {
         for (const uint32_t width : {1u, 3000u}) {
             const std::vector<float> values(width, 1.f);

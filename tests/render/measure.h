@@ -44,7 +44,11 @@ inline constexpr double criticalT = 6.91; // of 15 degrees of freedom, two-sided
 inline Measured measure(const Scene& scene, const CameraDesc& camera, const Settings& s, const std::string& integrator = "path") {
     CameraDesc local = camera;
     const Vec3d c = scene.centre();
-    for (int i = 0; i < 3; ++i) local.toWorld.m[i][3] -= i == 0 ? c.x : i == 1 ? c.y : c.z;
+    const auto recentre = [&c](Affine& m) {
+        for (int i = 0; i < 3; ++i) m.m[i][3] -= i == 0 ? c.x : i == 1 ? c.y : c.z;
+    };
+    recentre(local.toWorld);
+    for (Affine& m : local.motion) recentre(m);
     Settings one = s;
     one.spp = std::max(1u, s.spp / replicates);
     double sum = 0, squares = 0;
