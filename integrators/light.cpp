@@ -52,6 +52,7 @@ struct Receiver {
     Half half = Half::even;
     float share = 1; // of the flux, that one path of many carries
     uint64_t landed = 0;
+    bool broken = false; // it brought light that no film can hold
 };
 
 class LightTracing final : public Integrator, public PathSource {
@@ -67,12 +68,13 @@ private:
     void aim(const Job&, const SurfacePoint&, const Bsdf&, PathState, const Spectrum& flux, Point2 lens, Receiver&) const noexcept;
     void land(const Job&, const Ray&, const SurfacePoint* from, float distance, PathState, const Spectrum& flux, Receiver&) const noexcept;
     bool reaches(const Job&, Point2 raster) const noexcept;
-    void splat(const Job&, Point2 raster, Layer, const Spectrum&, const Receiver&) const noexcept;
+    void splat(const Job&, Point2 raster, Layer, const Spectrum&, Receiver&) const noexcept;
     void seeLights(const Job&, PathStart&, Outputs&) const noexcept;
 
     uint32_t rouletteDepth_;
     bool connect_;
     Spread spread_;
+    mutable std::atomic<bool> brokenTold_{false};
 };
 
 void LightTracing::prepare(const Job& job) {
@@ -110,12 +112,16 @@ void LightTracing::render(const Job& job, const Pass& pass, Film& film) {
 void LightTracing::shoot(const Job& job, uint32_t iteration, Film& film) const {
     const uint64_t paths = pathsAnIteration(job.view), first = iteration * paths;
     const float share = shareOfOne(paths);
-    std::atomic<uint64_t> landed = 0;
+    constexpr uint64_t none = ~uint64_t(0);
+    std::atomic<uint64_t> landed = 0, broken = none;
     const auto task = [&](uint64_t i) {
         Receiver to{.film = &film, .share = share};
         for (uint64_t k = i * chunk; k < std::min(paths, (i + 1) * chunk); ++k) {
             to.half = Half((first + k) & 1);
             follow(job, first + k, to);
+            if (to.broken) [[unlikely]]
+                for (uint64_t least = broken; first + k < least && !broken.compare_exchange_weak(least, first + k);) {}
+            to.broken = false;
         }
         landed += to.landed;
     };
@@ -123,6 +129,11 @@ void LightTracing::shoot(const Job& job, uint32_t iteration, Film& film) const {
     const uint64_t odd = (first + paths) / 2 - first / 2;
     film.lightPaths(double(paths - odd) * double(share), Half::even);
     film.lightPaths(double(odd) * double(share), Half::odd);
+    if (broken != none && !brokenTold_.exchange(true))
+        job.notes.warn(
+            fmt::format("light: light path {} brings light that is not finite. Follow it: chiaro trace -i light --sample {}, with "
+                        "the scene and the options of this render",
+                        broken.load(), broken.load()));
     if (!connect_ && iteration == 0)
         job.notes.warn(fmt::format("light:connect=off: of the first {} light paths {} went through the lens onto the picture ({:.2g} %)",
                                    paths, landed.load(), 100 * double(landed.load()) / double(paths)));
@@ -209,6 +220,10 @@ void LightTracing::aim(const Job& job, const SurfacePoint& at, const Bsdf& bsdf,
     v.kind = PathLog::Kind::eye;
     v.p = camera->shadow.o + camera->shadow.d * camera->shadow.tfar;
     v.t = camera->shadow.tfar;
+    v.event = value.terms[0].event;
+    v.weight = value.f() * absDot(bsdf.normal(), camera->wi);
+    v.pdfW = 1; // the way to the camera is given
+    v.delta = true;
     v.throughput = v.contribution = seen * value.f();
     to.log->add(v);
 }
@@ -231,14 +246,17 @@ bool LightTracing::reaches(const Job& job, Point2 raster) const noexcept {
            raster.y < float(r.y1) + reach;
 }
 
-void LightTracing::splat(const Job& job, Point2 raster, Layer layer, const Spectrum& value, const Receiver& to) const noexcept {
+void LightTracing::splat(const Job& job, Point2 raster, Layer layer, const Spectrum& value, Receiver& to) const noexcept {
     if (!to.film || layer == 0) return;
     const Rect& r = job.view.crop;
     const int x1 = spread_.last(raster.x, r.x1), y1 = spread_.last(raster.y, r.y1);
     for (int y = spread_.first(raster.y, r.y0); y <= y1; ++y)
         for (int x = spread_.first(raster.x, r.x0); x <= x1; ++x)
-            if (const float w = spread_.weight(raster.x, x) * spread_.weight(raster.y, y); w > 0)
-                to.film->splat({uint32_t(x), uint32_t(y)}, layer, value * w, to.half);
+            if (const float w = spread_.weight(raster.x, x) * spread_.weight(raster.y, y); w > 0) {
+                const Spectrum v = value * w;
+                to.broken = to.broken || !finite(v) || maxComponent(v) >= fixedLimit; // the film drops it
+                to.film->splat({uint32_t(x), uint32_t(y)}, layer, v, to.half);
+            }
 }
 
 // L E, and what a denoiser wants to know of the first hit.

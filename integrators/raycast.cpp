@@ -234,6 +234,7 @@ Traits traits(const Options& o) {
     Traits t;
     const bool exact = o.text("shadows") == "ray" && o.text("shading") == "material" && o.text("attenuation") == "physical";
     t.covers = exact ? "Ld (D|G) E | (La|Le) E" : "(La|Le) E";
+    t.approximates = "(La|Ld) (D|G) E";
     t.unbiased = o.real("ambient") == 0;
     t.deterministic = o.text("aa") == "centre";
     return t;

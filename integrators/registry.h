@@ -14,6 +14,7 @@ struct Traits {
     bool usesPrepass = false;            // takes its indirect term from a pre-pass where there is one
     std::string covers = "L (D|G|S)* E"; // the light paths it sees, in the grammar of --paths
     std::string misses;                  // those it cannot find by construction; empty: none
+    std::string approximates;            // those it shows, but not as they are (an area light as a point); may overlap covers; empty: none
     // Of a consistent but biased method: the option h > 0 with which its bias vanishes as a sum of powers of h. It is judged by answers at
     // h, h s, h s^2, ... extrapolated to the limit; where a larger h is better, the step s is above 1 and the powers are negative.
     std::string convergesOver = {}; // the option's name; empty: none

@@ -79,6 +79,10 @@ Traits WhittedSettings::traits() const {
                                    antiAliasing == AntiAliasing::grid || antiAliasing == AntiAliasing::adaptive);
     if (antiAliasing == AntiAliasing::filter) t.deterministic = false; // the filter's positions are random
     t.unbiased = sampled && shadows == Shadows::opaque && fades && own && glossy == Glossy::direct && black(ambient) && !rayFalloff;
+    // Shown otherwise than light goes: an area light as a point, bent or unshaded light, mirrors in place of rough lobes.
+    t.approximates = std::string(sampled ? "L" : "(La|Ld)") + " (D|G) " + (glossy == Glossy::mirror ? "(S|G)* E" : "S* E");
+    if (glossy == Glossy::mirror || !own || rayFalloff)
+        t.approximates += glossy == Glossy::mirror ? " | (La|Le) (S|G)* E" : " | (La|Le) S* E";
     if (rayFalloff) {
         t.covers = "Le E"; // nothing else has no distance
         return t;

@@ -4,6 +4,8 @@
 namespace chiaro {
 namespace {
 
+constexpr int movingTimes = 5; // at which lamps are looked for while the shutter is open, both its ends among them
+
 // Steps through cut-outs until something counts as a surface.
 struct Seen {
     float depth = infinity;
@@ -23,21 +25,23 @@ Seen seenAlong(const Job& job, Ray ray, Hit hit) {
     return {};
 }
 
-void seeTile(const Job& job, Rect tile, Centres& out) {
+// Depths are those of the opening: the first time.
+void seeTile(const Job& job, Rect tile, float time, Centres& out) {
     const Rect& crop = job.view.crop;
+    const bool first = time == job.view.shutter.open;
     std::vector<Ray> rays;
     std::vector<Hit> hits(tile.area());
     for (uint32_t y = tile.y0; y < tile.y1; ++y)
         for (uint32_t x = tile.x0; x < tile.x1; ++x)
-            rays.push_back(job.view.camera.ray({float(x) + 0.5f, float(y) + 0.5f}, {0.5f, 0.5f}, job.view.shutter.open));
+            rays.push_back(job.view.camera.ray({float(x) + 0.5f, float(y) + 0.5f}, {0.5f, 0.5f}, time));
     job.scene.intersect(rays, hits, true);
     std::size_t i = 0;
     for (uint32_t y = tile.y0; y < tile.y1; ++y)
         for (uint32_t x = tile.x0; x < tile.x1; ++x, ++i) {
             const Seen seen = seenAlong(job, rays[i], hits[i]);
             const std::size_t at = std::size_t(y - crop.y0) * crop.width() + (x - crop.x0);
-            out.depth[at] = seen.depth;
-            out.lamp[at] = seen.lamp;
+            if (first) out.depth[at] = seen.depth;
+            out.lamp[at] |= uint8_t(seen.lamp);
         }
 }
 
@@ -45,8 +49,16 @@ void seeTile(const Job& job, Rect tile, Centres& out) {
 
 Centres seenAtCentres(const Job& job) {
     Centres centres{std::vector<float>(job.view.crop.area()), std::vector<uint8_t>(job.view.crop.area())};
+    const Interval& shutter = job.view.shutter;
+    const int times = shutter.close > shutter.open ? movingTimes : 1;
     job.run.tiles(
-        job.view.crop, [&](Rect tile) { seeTile(job, tile, centres); }, nullptr);
+        job.view.crop,
+        [&](Rect tile) {
+            for (int i = 0; i < times; ++i)
+                seeTile(job, tile, i == 0 ? shutter.open : shutter.open + (shutter.close - shutter.open) * (float(i) / (movingTimes - 1)),
+                        centres);
+        },
+        nullptr);
     return centres;
 }
 

@@ -10,7 +10,7 @@ namespace chiaro {
 // One value a pixel of the crop, rows from the top.
 struct Centres {
     std::vector<float> depth;
-    std::vector<uint8_t> lamp; // 1 where the surface is a light
+    std::vector<uint8_t> lamp; // 1 where the surface is a light, with motion at any of several times while the shutter is open
 };
 Centres seenAtCentres(const Job&);
 

@@ -143,13 +143,14 @@ private:
 
 bool blank(std::string_view text) { return text.find_first_not_of(" \t\r\n") == text.npos; }
 
-// wanted(first accepts, second accepts)
-std::optional<std::string> search(std::string_view a, std::string_view b, const PathsPresent& present, bool inSecond) {
-    if (inSecond && blank(b)) return std::nullopt;
-    std::vector<PathExpression> both{blank(a) ? PathExpression::all() : PathExpression::parse(a)};
-    if (!blank(b)) both.push_back(PathExpression::parse(b));
-    const PathDfa dfa = determinise(both);
-    const Wanted wanted = [inSecond](uint64_t accepts) { return (accepts & 1) && bool(accepts & 2) == inSecond; };
+// In all of the first, in none of the second.
+std::optional<std::string> search(std::initializer_list<std::string_view> in, std::string_view without, const PathsPresent& present) {
+    std::vector<PathExpression> all;
+    for (const std::string_view one : in) all.push_back(blank(one) ? PathExpression::all() : PathExpression::parse(one));
+    const uint64_t mask = (uint64_t(1) << in.size()) - 1;
+    if (!blank(without)) all.push_back(PathExpression::parse(without));
+    const PathDfa dfa = determinise(all);
+    const Wanted wanted = [mask](uint64_t accepts) { return accepts == mask; };
     return Search(dfa, wanted, present).first();
 }
 
@@ -183,10 +184,13 @@ PathDfa determinise(std::span<const PathExpression> expressions) {
 }
 
 std::optional<std::string> firstMissing(std::string_view wanted, std::string_view covered, const PathsPresent& present) {
-    return search(wanted, covered, present, false);
+    return search({wanted}, covered, present);
 }
 std::optional<std::string> firstCommon(std::string_view a, std::string_view b, const PathsPresent& present) {
-    return search(a, b, present, true);
+    return firstCommon(a, b, {}, present);
+}
+std::optional<std::string> firstCommon(std::string_view a, std::string_view b, std::string_view without, const PathsPresent& present) {
+    return blank(b) ? std::nullopt : search({a, b}, without, present);
 }
 
 } // namespace chiaro

@@ -27,5 +27,7 @@ struct PathsPresent {
 std::optional<std::string> firstMissing(std::string_view wanted, std::string_view covered, const PathsPresent& = {});
 // The shortest path that is in both, such as wanted paths that an integrator misses. a "": all paths; b "": none.
 std::optional<std::string> firstCommon(std::string_view a, std::string_view b, const PathsPresent& = {});
+// The same, and not in the third; without "": none is.
+std::optional<std::string> firstCommon(std::string_view a, std::string_view b, std::string_view without, const PathsPresent& = {});
 
 } // namespace chiaro
