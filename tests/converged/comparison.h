@@ -79,14 +79,23 @@ std::vector<Entrant> entrants(); // all of the registry that transport light
 
 // A scene of the table. without: paths left out, where a few of them (a lamp of a pixel's size, a caustic) would hide a bias of all others.
 struct Row {
+    struct Exception {
+        std::string_view integrator;
+        double resolution; // its own: it has more noise on these paths, or covers few of them
+    };
     std::string_view scene;
     std::string without;
-    double resolution = 0.01; // relative bias of the mean that must be visible with a power of 99 %; above 0.02 the row is weak
+    double resolution = 0.01; // relative bias of the mean that must be visible with a power of 99 %
+    std::vector<Exception> exceptions = {};
     Design design = {};
+    double resolutionOf(const Entrant&) const;
     // An entrant's paths on this row; empty where none is left.
     std::optional<Paths> paths(const Entrant&) const;
 };
 std::span<const Row> rows();
+
+// Beyond this resolution a comparison is weak: printed as such.
+inline constexpr double weakResolution = 0.02;
 
 struct Outcome {
     bool sound = false;         // the last stage's answer
@@ -95,8 +104,9 @@ struct Outcome {
     std::string verdict;
 };
 // An unbiased method must not be told from the reference. A consistent one (Traits::convergesOver) is judged by its limit, another biased
-// one by equivalence: its mean must be shown to lie within 1 %.
-Outcome compare(const Stage&, const Entrant&, const Paths&, const Design&);
+// one by equivalence: its mean must be shown to lie within 1 %. Where the comparison is known as weak, no mean of so much noise can be
+// shown to lie there: the biased method must then not be told from the reference, like an unbiased one.
+Outcome compare(const Stage&, const Entrant&, const Paths&, const Design&, bool weak = false);
 // All entrants on all rows of a scene.
 void compareAll(std::string_view scene);
 bool longTier();

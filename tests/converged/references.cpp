@@ -115,10 +115,15 @@ TEST_SUITE("references") {
             CHECK(std::filesystem::file_size(referencePath(b.name)) < 50'000);
             for (const Row& row : rows()) {
                 if (row.scene != b.name) continue;
-                const Reference* r = file.find(*row.paths(Entrant(chooseIntegrator("path"))));
-                REQUIRE(r);
-                CHECK(r->replicates >= 64);
-                CHECK(r->commit != "unknown");
+                for (const Entrant& e : entrants()) {
+                    const std::optional<Paths> paths = row.paths(e);
+                    if (!paths) continue;
+                    CAPTURE(std::string(e.choice.entry->name));
+                    const Reference* r = file.find(*paths);
+                    REQUIRE(r);
+                    CHECK(r->replicates >= 64);
+                    CHECK(r->commit != "unknown");
+                }
             }
         }
     }

@@ -17,6 +17,9 @@ TEST_SUITE("veach-mis") {
 TEST_SUITE("caustic") {
     TEST_CASE("@caustic") { compareAll("@caustic"); }
 } // TEST_SUITE
+TEST_SUITE("playground") {
+    TEST_CASE("@playground") { compareAll("@playground"); }
+} // TEST_SUITE
 TEST_SUITE("furnace") {
     TEST_CASE("@furnace") { compareAll("@furnace"); }
 } // TEST_SUITE

@@ -1,5 +1,6 @@
 #include "tools/judge/agreement.h"
 #include "core/render/error.h"
+#include "tools/judge/rare_events.h"
 #include "tools/judge/special.h"
 #include <algorithm>
 #include <cmath>
@@ -98,7 +99,8 @@ void resolve(Agreement& out, const Evidence& b, const AgreementSettings& s) {
     const double absolute = minimalDetectable(mean.error, mean.dof, out.image.alpha / double(meanCount), s.power);
     const double level = std::abs(b.image[0].mean);
     out.resolution = absolute == 0 ? 0 : absolute / level;
-    out.equivalenceP = equivalence(mean, s.margin * level);
+    // Black on both sides: no margin, and no difference that would need one.
+    out.equivalenceP = mean.difference == 0 && mean.error == 0 ? 0 : equivalence(mean, s.margin * level);
     const double ratio = out.resolution / s.margin;
     out.neededReplicates = std::max(2.0, std::ceil(out.replicates * ratio * ratio));
     if (out.resolution > s.margin) out.moreSamples = std::ceil(out.replicates * s.samplesPerReplicate * (ratio * ratio - 1));
@@ -115,12 +117,13 @@ const char* verdictName(Verdict v) noexcept {
     return "";
 }
 
-Agreement decide(const Evidence& a, const Evidence& b, const AgreementSettings& s) {
+Agreement decide(Evidence a, Evidence b, const AgreementSettings& s) {
     Agreement out;
     out.replicates = std::min(a.replicates, b.replicates);
     out.compared = a.compared;
     out.skewness = std::abs(a.skewness) > std::abs(b.skewness) ? a.skewness : b.skewness;
     if (a.compared == 0 || b.compared == 0) return out;
+    floorRareEvents(a, b);
     imageScale(out, a, b, s);
     tileScale(out, a, b, s);
     pixelScale(out, a, b, s);

@@ -5,7 +5,9 @@
 // (Welch on luminance, R, G, B; the family's p by Simes, exact for independent and safe for positively dependent tests), 1/4 to the tiles
 // (Welch on luminance; Sidak over the tiles), 1/4 to the pixels (Welch on luminance; Benjamini-Hochberg at q = alpha/4, which under
 // agreement rejects anything at all with probability q). Tiles and pixels where both sides are exactly equal without any spread are no
-// tests. Equal designs (the same samples on both sides) keep the rule safe for the skewed samples of light transport.
+// tests. Equal designs (the same samples on both sides) keep the rule safe for the skewed samples of light transport; the errors of tiles
+// and pixels that rare events have hit too seldom to show their spread are floored by what is known around them
+// (tools/judge/rare_events.h).
 //
 // Pictures with error layers are judged by image and tiles alone: their errors are pooled over a neighbourhood, and one bright sample
 // would stand many pooled errors away from its neighbours in either picture.
@@ -64,7 +66,7 @@ Agreement agree(const Replicates& test, const Replicates& reference, const Agree
 // Two pictures with error layers. Their errors must be right: a film's, pooled, errs on the safe side.
 Agreement agree(const Picture& test, const Picture& reference, const Region& = {}, const AgreementSettings& = {});
 // The rule itself.
-Agreement decide(const Evidence& test, const Evidence& reference, const AgreementSettings&);
+Agreement decide(Evidence test, Evidence reference, const AgreementSettings&);
 
 // "agrees: ...", "biased by 1.02 % +- 0.30 %", "differs: ...", "cannot tell yet: needs 96 more samples ...".
 std::string describe(const Agreement&, const AgreementSettings& = {});
