@@ -250,20 +250,4 @@ TEST_SUITE("agree parts") {
         REQUIRE(o.last().limit);
         CHECK(o.last().limit->bias[0] == doctest::Approx(-0.05).epsilon(0.1));
     }
-
-    TEST_CASE("pixels that nothing has hit carry the error of their tile") {
-        judge::Replicates hits(size, size);
-        for (uint32_t r = 0; r < 8; ++r) {
-            judge::Picture p = noisy(0, 0);
-            for (uint32_t c = 0; c < 3; ++c) p.rgb[3 * r + c] = 1; // one pixel a replicate, in row 0
-            hits.add(p);
-        }
-        judge::Evidence e = hits.evidence(hits.badTiles());
-        CHECK(e.pixels[size].error == 0);
-        const double largest = e.pixels[0].error;
-        floorPixelErrors(e);
-        CHECK(e.pixels[0].error == largest);
-        CHECK(e.pixels[size].error == doctest::Approx(largest * std::sqrt(8.0 / 64)));
-        CHECK(e.pixels[8].error == 0); // its tile is empty
-    }
 }

@@ -229,15 +229,39 @@ TEST_SUITE("compare") {
         CHECK(whitted["missing"].get<std::string>().starts_with("La D"));
         CHECK(whitted["missingShare"].get<double>() > 0.2);
         CHECK(whitted["missingShare"].get<double>() < 0.8);
-        CHECK(contains(whitted["verdict"].get<std::string>(), "misses by definition: La D"));
-        CHECK(contains(whitted["verdict"].get<std::string>(), "on the paths it covers:"));
+        CHECK(contains(whitted["verdict"].get<std::string>(), "different by definition: leaves out La D"));
+        CHECK(contains(whitted["verdict"].get<std::string>(), " and adds approximated light of its own: "));
+        CHECK(contains(whitted["verdict"].get<std::string>(), "; on what it covers: "));
+        CHECK(whitted["ownShare"].get<double>() > 0.1);
+        // Of both sides the light on the paths covered alone: whole picture = covered + own.
+        const double reference = value(entry(j, "reference"), "mean"), covered = reference * (1 - whitted["missingShare"].get<double>());
+        CHECK(near(value(whitted, "mean"), covered + reference * whitted["ownShare"].get<double>(), 0.1));
+        CHECK(std::abs(whitted["judged"]["bias"].get<double>()) < 0.3);
         CHECK(whitted["layers"].dump().find("covered") != std::string::npos);
         CHECK(!whitted["judged"].is_null());
         CHECK(cached(folder).size() == 2);
         for (const Json& row : j["timeToError"]) // its error stays: no number of samples mends what is missing
             CHECK(!row["seconds"][1]["extrapolated"].get<bool>());
         const Outcome split = compare(folder, {"@cornell", "-i", "whitted", "--spp", "8", "--seeds", "4", "--split", "bounces"});
-        CHECK(contains(split.out, "not judged on the paths that it covers"));
+        CHECK(contains(split.out, "not judged there: the layer of these paths has no room"));
+    }
+
+    TEST_CASE("seldom seen lamps: the bias is that of the paths covered, for every integrator that leaves paths out") {
+        if (absent()) return;
+        for (const std::string scene : {"@cornell", "@cornell-spheres", "@playground"}) {
+            const Folder folder;
+            const Outcome o = compare(folder, {scene, "-i", "raycast,raycast:shadows=ray,whitted,whitted:area=sample,distributed", "--spp",
+                                               "64", "--seeds", "8"});
+            CAPTURE(scene);
+            CAPTURE(o.out);
+            REQUIRE(o.code == 0);
+            for (const Json& e : results(folder)["entries"]) {
+                if (e["judged"].is_null()) continue;
+                CHECK(e["standing"] != "biased");
+                CHECK(e["judged"]["low"].get<double>() < 0.01);
+                CHECK(e["judged"]["high"].get<double>() > -0.01);
+            }
+        }
     }
 
     TEST_CASE("Ctrl-C writes what there is") {

@@ -1,5 +1,7 @@
 // --aperture, --focus, --blades: what is told, what is kept in the picture, what is refused; light rays that need an opening.
+#include "tools/cli/lens.h"
 #include "program.h"
+#include "tests/scene_kit.h"
 
 using namespace program;
 
@@ -42,6 +44,25 @@ TEST_SUITE("lens") {
         const Outcome metres = run(folder, render({"--aperture", "0.3", "--focus", "2.5"}));
         CHECK(contains(metres.err, "focus 2.5 m\n"));
         CHECK_FALSE(contains(run(folder, render({})).err, "lens "));
+    }
+
+    TEST_CASE("a camera that moves is sharp where it stands in the middle of the shutter") {
+        using namespace chiaro;
+        SceneDesc s;
+        shapes::add(s, "floor", test::square(9), shapes::add(s, shapes::diffuse("grey", Spectrum(0.5f))));
+        s.shutter = {0, 1};
+        shapes::addCamera(s, "eye", 0.5, shapes::translation({0, 0, 2}));
+        s.cameras[0].motion = {shapes::translation({0, 0, 2}), shapes::translation({0, 0, 6})};
+        const auto scene = test::compiled(std::move(s));
+        cli::LensRequest request;
+        request.diameter = 0.1;
+        for (const char* focus : {"auto", "1,1"}) {
+            request.focus = focus;
+            CHECK(cli::chooseLens(request, scene->cameras()[0], *scene, {16, 12}).focus == doctest::Approx(4));
+        }
+        CameraDesc still = scene->cameras()[0];
+        still.motion.clear();
+        CHECK(cli::chooseLens(request, still, *scene, {16, 12}).focus == doctest::Approx(2));
     }
 
     TEST_CASE("what makes no sense is refused in one line") {

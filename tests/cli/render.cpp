@@ -205,6 +205,46 @@ TEST_SUITE("render") {
         CHECK(fs::exists(folder / "cornell.png"));
     }
 
+    TEST_CASE("samples that are no numbers are told with what brings them back, and only with that") {
+        if (absent()) return;
+        const Folder folder;
+        folder.write("hot.gltf", triangle(R"({"name": "wall"})", R"(, "extensionsUsed": ["KHR_lights_punctual"],
+            "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 3e38}]}})"));
+        using Words = std::vector<std::string>;
+        std::string text = readAll(folder / "hot.gltf");
+        const auto replace = [&](const std::string& from, const std::string& to) { text.replace(text.find(from), from.size(), to); };
+        replace(R"([{"nodes": [0]}])", R"([{"nodes": [0, 1, 2]}])");
+        replace(R"([{"mesh": 0}])",
+                R"([{"mesh": 0}, {"translation": [0.25, 0.25, 0.1], "extensions": {"KHR_lights_punctual": {"light": 0}}},
+            {"camera": 0, "translation": [0.3, 0.3, 1]}],
+            "cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}}])");
+        folder.write("hot.gltf", text);
+        const Words small{"hot.gltf", "--size", "8x8", "--spp", "4", "--env", "none"};
+        const auto with = [&](Words words) {
+            words.insert(words.begin(), "render");
+            words.insert(words.begin() + 1, small.begin(), small.end());
+            return run(folder, words);
+        };
+        const Outcome o = with({"-i", "raycast:aa=centre"});
+        CAPTURE(o.err);
+        CHECK(o.code == 0);
+        CHECK(contains(o.err, "non-finite samples dropped (material \"wall\"). Reproduce: chiaro render "));
+        const std::size_t at = o.err.find("--pixel ");
+        REQUIRE(at != std::string::npos);
+        const std::string pixel = o.err.substr(at + 8, o.err.find(' ', at + 8) - at - 8);
+        CHECK(contains(with({"-i", "raycast:aa=centre", "--pixel", pixel}).err, "not finite"));
+        const Outcome light = with({"-i", "light"});
+        CAPTURE(light.err);
+        CHECK(contains(light.err, "non-finite samples dropped, the first at pixel "));
+        CHECK_FALSE(contains(light.err, "Reproduce"));
+        const std::size_t path = light.err.find("Follow it: chiaro trace -i light --sample ");
+        REQUIRE(path != std::string::npos);
+        const std::string number = std::to_string(std::stoul(light.err.substr(path + 42)));
+        const Outcome told =
+            run(folder, {"trace", "hot.gltf", "-i", "light", "--pixel", "0,0", "--sample", number, "--size", "8x8", "--env", "none", "-q"});
+        CHECK(contains(told.out, "inf"));
+    }
+
     TEST_CASE("SIGTERM is answered alike") {
         if (absent()) return;
         const Folder folder;

@@ -78,6 +78,25 @@ TEST_SUITE("trace") {
         CHECK(contains(text.out, "La "));
     }
 
+    TEST_CASE("light paths that end at the eye name their class") {
+        if (absent()) return;
+        const Folder folder;
+        const Outcome o = run(folder, {"trace", "@cornell", "--size", "32x32", "--pixel", "16,16", "-i", "light", "--spp", "16", "--json"});
+        REQUIRE(o.code == 0);
+        const auto json = nlohmann::json::parse(o.out);
+        int eyes = 0;
+        for (const auto& s : json["integrators"][0]["samples"])
+            for (const auto& v : s["vertices"])
+                if (v["kind"] == "eye") {
+                    ++eyes;
+                    CHECK(v["event"] == "DR");
+                    CHECK(v["path"].get<std::string>().starts_with("La DR "));
+                }
+        CHECK(eyes > 0);
+        const Outcome text = run(folder, {"trace", "@cornell", "--size", "32x32", "--pixel", "16,16", "-i", "light", "--spp", "16", "-q"});
+        CHECK(contains(text.out, "[La DR E]"));
+    }
+
     TEST_CASE("what cannot be traced is said in one line") {
         if (absent()) return;
         const Folder folder;

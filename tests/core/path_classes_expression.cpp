@@ -94,6 +94,9 @@ TEST_SUITE("path_expression") {
         CHECK(firstCommon("L .* E", missed, {LetterSet(anyLight | anyEvent), 1}) == Path());
         CHECK(firstCommon("L D* E", missed) == Path());
         CHECK(firstCommon("L S* D E", "") == Path());
+        CHECK(firstCommon("", "L (D|G) S* E", "Ld (D|G) S* E") == Path("La D E"));
+        CHECK(firstCommon("Ld .* E", "L (D|G) S* E", "Ld D S* E") == Path("Ld G E"));
+        CHECK(firstCommon("L D E", "L (D|G) S* E", "L D .* E") == Path());
         CHECK(firstMissing("L .* E", "L D* E", {LetterSet(lamp | matt)}) == Path());
         CHECK(firstMissing("L .* E", "L D* E", {LetterSet(lamp | matt | letter(Event::GT)), 1}) == Path("Ld G E"));
     }

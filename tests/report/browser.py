@@ -33,11 +33,11 @@ def check(what, ok, *facts):
     failures += not ok
 
 
-def same(shown, value):
-    """A value of the page (text) and one of the EXR: equal to half precision."""
+def same(shown, value, mantissa=10):
+    """A value of the page (text) and one of the EXR: equal to half precision, or to the bits that the page announces."""
     if value is None:
         return shown in ("NaN", "Infinity", "-Infinity")
-    return math.isclose(float(shown), value, rel_tol=2**-11, abs_tol=2**-25)
+    return math.isclose(float(shown), value, rel_tol=2 ** -(mantissa + 1) + (2**-11 if mantissa < 10 else 0), abs_tol=2 ** -(mantissa + 15))
 
 
 class Browser:
@@ -137,6 +137,31 @@ def values(browser, page, expected):
     check("colours are those of the sRGB curve at the exposure", abs(shown - srgb) <= 1, shown, srgb)
 
 
+def reduced(browser, page, expected):
+    """A page with little room: pictures equal within the announced bits, maps are the means of what they stand for."""
+    browser.open(page)
+    data = browser.run("return JSON.parse(document.getElementById('data').textContent)")
+    mantissa, f = data["mantissa"], data["mapFactor"]
+    check("pictures keep their size, maps and bits are reduced", data["factor"] == 1 and f > 1 and 5 <= mantissa < 10, mantissa, f)
+    check("and the page says so", f"{mantissa} bits of mantissa" in browser.run("return document.getElementById('reduced').textContent"))
+    wrong = []
+    for number, each in enumerate(expected["maps"]):
+        browser.press("m")
+        browser.wait(lambda: browser.run("return [...document.querySelectorAll('.message')].every(m => !m.textContent.startsWith('decoding'))"), "the map")
+        for x, y in [(0, 0), (95, 63), (48, 12), (33, 40), (7, 59)]:
+            browser.aim(x, y)
+            shown = browser.read_out()
+            for values, picture in zip(shown, expected["pictures"]):
+                i = 3 * (y * 96 + x)
+                wrong += [(x, y, values[c], picture[i + c]) for c in range(3) if not same(values[c], picture[i + c], mantissa)]
+            block = [each["values"][v * 96 + u] for v in range(y // f * f, y // f * f + f) for u in range(x // f * f, x // f * f + f)]
+            mean = min(each["high"], max(each["low"], sum(block) / len(block)))
+            if abs(float(shown[0][4]) - mean) > 0.51 * (each["high"] - each["low"]) / (2 * data["mapSteps"]):
+                wrong.append((x, y, number, shown[0][4], mean))
+    check("values are equal within the announced bits, maps are means", wrong == [], wrong[:5])
+    check("no console messages", (found := browser.errors()) == [], found)
+
+
 def injection(browser, expected):
     check("nothing is injected", browser.run("return window.injected") is None)
     check("no element comes from data", browser.run("return document.querySelectorAll('#title *, #note-list li *, .tile img, b').length") == 0)
@@ -228,6 +253,16 @@ def looks(browser, page):
     dark = browser.run(ground)
     browser.press("t")
     light = browser.run(ground)
+    browser.open(page, dark=True)
+    check("the choice is remembered", browser.run(ground) == light)
+    browser.press("t")
+    check("and forgotten when it is the system's again", browser.run("return localStorage.length") == 0 and browser.run(ground) == dark)
+    deny = "Object.defineProperty(window, 'localStorage', {get() { throw new DOMException('denied', 'SecurityError'); }});"
+    denied = browser.driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": deny})
+    browser.open(page, dark=True)
+    browser.press("t")
+    check("T works where nothing may be remembered", browser.run(ground) == light and (found := browser.errors()) == [])
+    browser.driver.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", denied)
     check("dark by the system's wish, light by T", dark == "rgb(20, 21, 23)" and light == "rgb(251, 251, 250)", dark, light)
     for width in (390, 320, 768):
         browser.open(page, width, 844)
@@ -269,6 +304,8 @@ def main():
             browser.driver.set_script_timeout(30)
             values(browser, folder / "page.html", expected)
             injection(browser, expected)
+            reduced(browser, folder / "reduced.html", expected)
+            browser.open(folder / "page.html")
             browser.press("z")
             controls(browser)
             pointers(browser)

@@ -76,7 +76,7 @@ TEST_SUITE("report") {
     }
 
     TEST_CASE("shortened halves are off by half a step at most; finite stays finite, NaN stays NaN") {
-        for (int mantissa = 7; mantissa <= 10; ++mantissa) {
+        for (int mantissa = 5; mantissa <= 10; ++mantissa) {
             int wrong = 0;
             for (uint32_t h = 0; h < 65536; ++h) {
                 const uint16_t back = lengthened(shortened(uint16_t(h), mantissa), mantissa);
@@ -98,7 +98,7 @@ TEST_SUITE("report") {
         for (const auto& [width, height] : {std::pair{1u, 1u}, {1u, 9u}, {9u, 1u}, {2u, 2u}, {37u, 23u}, {400u, 300u}}) {
             const std::vector<uint16_t> halves = someHalves(width, height);
             CHECK(roundTrip(halves, width, height, 10) == halves);
-            for (int mantissa = 7; mantissa < 10; ++mantissa) {
+            for (int mantissa = 5; mantissa < 10; ++mantissa) {
                 std::vector<uint16_t> expected;
                 for (const uint16_t h : halves) expected.push_back(lengthened(shortened(h, mantissa), mantissa));
                 CHECK(roundTrip(halves, width, height, mantissa) == expected);

@@ -200,28 +200,35 @@ TEST_SUITE("report") {
     }
 
     TEST_CASE("the limit is kept, the order of what is given up too, and it is said") {
-        const report::Report r = test::exampleReport(256, 256);
+        const report::Report r = test::exampleReport(128, 128);
         const Made all = make(r);
         CHECK(all.written.reductions.empty());
         std::uintmax_t limit = all.written.bytes;
         int factor = 1, mantissa = 10;
         std::size_t layers = 1;
-        bool leftLayers = false, shortenedFirst = false;
-        for (; limit > 120'000; limit = limit * 7 / 10) {
+        bool leftLayers = false, mapsFirst = false, shortenedFirst = false;
+        for (; limit > 115'000; limit = limit * 9 / 10) {
             const Made made = make(r, limit);
             CHECK(made.written.bytes <= limit);
             const nlohmann::json& data = made.page.data;
             CHECK(made.written.reductions == data["reductions"].get<std::vector<std::string>>());
             const int f = data["factor"], m = data["mantissa"];
             const std::size_t l = data["entries"][0]["layers"][0].contains("block");
-            CHECK(made.written.reductions.empty() == (f == 1 && m == 10 && l == 1));
+            const int maps = data["mapFactor"];
+            CHECK(data["entries"][0]["maps"][0]["width"] == 128 / maps);
+            CHECK(data["entries"][0]["picture"]["width"] == 128 / f);
+            CHECK(m >= 5);
+            if (m < 10) CHECK(maps > f);
+            CHECK(made.written.reductions.empty() == (f == 1 && maps == 1 && m == 10 && l == 1));
             CHECK(f >= factor);
             if (f == factor) CHECK(m <= mantissa);
-            leftLayers = leftLayers || (f == 1 && m == 10 && l == 0);
+            leftLayers = leftLayers || (f == 1 && maps == 1 && m == 10 && l == 0);
+            mapsFirst = mapsFirst || (f == 1 && maps == 2 && m == 10);
             shortenedFirst = shortenedFirst || (f == 1 && m < 10);
             factor = f, mantissa = m, layers = l;
         }
         CHECK(leftLayers);
+        CHECK(mapsFirst);
         CHECK(shortenedFirst);
         CHECK(factor > 1);
         CHECK(layers <= 1);

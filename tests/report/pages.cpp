@@ -84,7 +84,15 @@ TEST_SUITE("report") {
             for (const float v : e.picture.rgb) values.push_back(std::isfinite(v) ? nlohmann::json(v) : nlohmann::json(nullptr));
             expected["pictures"].push_back(std::move(values));
         }
-        report::writeReport(r, fs::path(folder) / "page.html");
+        std::uintmax_t limit = report::writeReport(r, fs::path(folder) / "page.html").bytes;
+        expected["maps"] = nlohmann::json::array();
+        for (const report::Map& m : r.entries[0].maps) expected["maps"].push_back({{"values", m.values}, {"low", m.low}, {"high", m.high}});
+        // The same with little room: fewer bits, smaller maps, pictures of full size.
+        const auto shortened = [&] {
+            const std::vector<std::string> reductions = report::writeReport(r, fs::path(folder) / "reduced.html", limit).reductions;
+            return std::any_of(reductions.begin(), reductions.end(), [](const std::string& s) { return s.find("mantissa") != s.npos; });
+        };
+        while (!shortened()) limit -= 4000;
         std::ofstream(fs::path(folder) / "expected.json") << expected;
         const report::Image pixel{"pixel", 1, 1, {0.5f, 0.25f, 0.125f}}, black{"black", 64, 64, std::vector<float>(64 * 64 * 3)};
         for (const report::Image& only : {pixel, black}) {

@@ -19,20 +19,6 @@ double samplesToMargin(const Agreement& a, const AgreementSettings& s) {
     return std::max({a.moreSamples, std::ceil(a.replicates * s.samplesPerReplicate * (ratio * ratio - 1)), s.samplesPerReplicate});
 }
 
-// As judge::agree, with the floor under the pixels' errors.
-Agreement compare(const judge::Replicates& test, const judge::Replicates& reference, const AgreementSettings& s) {
-    std::vector<uint8_t> bad = test.badTiles();
-    const std::vector<uint8_t> others = reference.badTiles();
-    for (std::size_t t = 0; t < bad.size(); ++t) bad[t] |= others[t];
-    judge::Evidence a = test.evidence(bad), b = reference.evidence(bad);
-    floorPixelErrors(a);
-    floorPixelErrors(b);
-    Agreement out = judge::decide(a, b, s);
-    out.nonFinitePixels = test.nonFinitePixels() + reference.nonFinitePixels();
-    out.tilesLeftOut = std::size_t(std::count(bad.begin(), bad.end(), 1));
-    return out;
-}
-
 Limit limitOf(const Subject& subject, const Trial& trial, const judge::Replicates& reference, double alpha) {
     Limit limit;
     const std::vector<uint8_t> none(reference.badTiles().size(), 0);
@@ -77,20 +63,6 @@ Judgement judgeBiased(const std::string& over, Judgement j, const AgreementSetti
 
 } // namespace
 
-void floorPixelErrors(judge::Evidence& e) {
-    struct Sum {
-        double squares = 0;
-        std::size_t count = 0;
-    };
-    std::vector<Sum> tiles(e.tiles.size());
-    const auto tileOf = [&](std::size_t i) { return i / e.width / e.tile * e.tilesX + i % e.width / e.tile; };
-    for (std::size_t i = 0; i < e.pixels.size(); ++i)
-        if (!std::isnan(e.pixels[i].mean)) tiles[tileOf(i)].squares += e.pixels[i].error * e.pixels[i].error, ++tiles[tileOf(i)].count;
-    for (std::size_t i = 0; i < e.pixels.size(); ++i)
-        if (const Sum& t = tiles[tileOf(i)]; t.count > 0)
-            e.pixels[i].error = std::max(e.pixels[i].error, std::sqrt(t.squares / double(t.count)));
-}
-
 Judgement judgement(Agreement a, const AgreementSettings& s) {
     Judgement j;
     j.verdict = a.verdict;
@@ -100,15 +72,13 @@ Judgement judgement(Agreement a, const AgreementSettings& s) {
     return j;
 }
 
-Judgement judgeEvidence(const Traits& traits, judge::Evidence test, judge::Evidence reference, const AgreementSettings& s) {
-    if (!test.pooled) floorPixelErrors(test);
-    if (!reference.pooled) floorPixelErrors(reference);
+Judgement judgeEvidence(const Traits& traits, const judge::Evidence& test, const judge::Evidence& reference, const AgreementSettings& s) {
     Judgement j = judgement(judge::decide(test, reference, s), s);
     return traits.unbiased ? j : judgeBiased({}, std::move(j), s);
 }
 
 Judgement judgeTrial(const Subject& subject, const Trial& trial, const judge::Replicates& reference, AgreementSettings s) {
-    Judgement j = judgement(compare(trial.limit, reference, s), s);
+    Judgement j = judgement(judge::agree(trial.limit, reference, s), s);
     if (subject.traits.unbiased) return j;
     if (subject.converging()) j.limit = limitOf(subject, trial, reference, s.alpha);
     return judgeBiased(subject.converging() ? subject.traits.convergesOver : std::string(), std::move(j), s);

@@ -1,11 +1,9 @@
 // From the replicates of one stage to the verdict on one integrator.
 //
-// Unbiased methods: judge::decide, the rule at three scales. A pixel that no sample of a few replicates has hit shows no spread by
-// accident, and two methods that sample differently miss differently: the error of a pixel is therefore no smaller than the root mean
-// square of those in its tile. Biased methods are not expected to be equal, so that they are asked for less and told more: the mean must
-// lie inside the margin (two one-sided tests at alpha). With a convergence parameter h it is the mean of the limit h -> 0 that must,
-// together with the tiles of the limit (a quarter of alpha) and the fit in powers of h, whose residual must be chance (the quarter that is
-// the pixels' otherwise: beside an edge no power of h holds for one pixel).
+// Unbiased methods: judge::decide, the rule at three scales. Biased methods are not expected to be equal, so that they are asked for less
+// and told more: the mean must lie inside the margin (two one-sided tests at alpha). With a convergence parameter h it is the mean of the
+// limit h -> 0 that must, together with the tiles of the limit (a quarter of alpha) and the fit in powers of h, whose residual must be
+// chance (the quarter that is the pixels' otherwise: beside an edge no power of h holds for one pixel).
 #pragma once
 #include "tools/cli/agree_stage.h"
 #include "tools/judge/agreement.h"
@@ -26,11 +24,9 @@ struct Judgement {
     double moreSamples = 0; // a pixel and side; 0: none
     bool red() const noexcept { return verdict == judge::Verdict::biased || verdict == judge::Verdict::differs; }
 };
-// In place: every pixel's error raised to the root mean square of its tile.
-void floorPixelErrors(judge::Evidence&);
 Judgement judgeTrial(const Subject&, const Trial&, const judge::Replicates& reference, judge::AgreementSettings);
 // One subject as it was chosen, without a limit, by what is known of both sides; tiles to be left out are out of both.
-Judgement judgeEvidence(const Traits&, judge::Evidence test, judge::Evidence reference, const judge::AgreementSettings&);
+Judgement judgeEvidence(const Traits&, const judge::Evidence& test, const judge::Evidence& reference, const judge::AgreementSettings&);
 // Pictures, or replicates of a biased method without a parameter: what `judge` says becomes a verdict.
 Judgement judgement(judge::Agreement, const judge::AgreementSettings&);
 

@@ -2,6 +2,7 @@
 #include "core/render/error.h"
 #include "io/replace_file.h"
 #include "tools/cli/compare_reference.h"
+#include <algorithm>
 #include <cstring>
 #include <fmt/format.h>
 #include <fstream>
@@ -108,6 +109,42 @@ ReferenceSums ReferenceSums::read(const std::filesystem::path& file, const std::
     if (!in.empty()) throw Error(Exit::file, "it is longer than it should be");
     sums.luminance_.restore(std::move(state));
     return sums;
+}
+
+void markUsed(const std::filesystem::path& file) noexcept {
+    std::error_code ignored; // a folder that cannot be written to: its files stay as old as they are
+    std::filesystem::last_write_time(file, std::filesystem::file_time_type::clock::now(), ignored);
+}
+
+void boundCache(const std::filesystem::path& folder, uint64_t bytes, const std::filesystem::path& kept) {
+    namespace fs = std::filesystem;
+    struct Kept {
+        fs::file_time_type used;
+        uint64_t bytes = 0;
+        fs::path file;
+    };
+    std::vector<Kept> all;
+    uint64_t sum = 0;
+    std::error_code gone;
+    for (fs::directory_iterator at(folder, gone), end; !gone && at != end; at.increment(gone)) {
+        if (at->path().extension() != referenceEnding) continue;
+        std::error_code vanished;
+        Kept one{fs::last_write_time(at->path(), vanished), 0, at->path()};
+        if (!vanished) one.bytes = fs::file_size(at->path(), vanished);
+        if (vanished) continue;
+        sum += one.bytes;
+        if (one.file.filename() != kept.filename()) all.push_back(std::move(one));
+    }
+    std::sort(all.begin(), all.end(), [](const Kept& a, const Kept& b) { return a.used < b.used; });
+    for (const Kept& one : all) {
+        if (sum <= bytes) return;
+        std::error_code failed;
+        fs::remove(one.file, failed);
+        if (failed)
+            throw Error(Exit::file, fmt::format("{}: cannot be deleted ({}), though the folder of references is full", one.file.string(),
+                                                failed.message()));
+        sum -= one.bytes;
+    }
 }
 
 } // namespace chiaro::cli

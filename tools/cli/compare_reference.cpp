@@ -98,12 +98,13 @@ ReferenceRender::ReferenceRender(const Job& job, const PathClasses& classes, con
                                  std::optional<std::filesystem::path> cache, Diagnostics& notes)
     : job_(job), classes_(classes), goal_(goal), notes_(notes), choice_(chooseIntegrator(referenceName)), key_(keyOf(job, classes)) {
     if (!cache) return;
-    file_ = *cache / (key_ + ".reference");
+    file_ = *cache / (key_ + referenceEnding);
     std::error_code ignored;
     if (!std::filesystem::exists(file_, ignored)) return;
     try {
         sums_ = ReferenceSums::read(file_, key_, job.view.crop.width(), job.view.crop.height());
         fromCache_ = true;
+        markUsed(file_);
     } catch (const std::exception& e) {
         notes_.warn(fmt::format("{}: {}; the reference is rendered again", file_.string(), e.what()));
         sums_.reset();
@@ -167,7 +168,11 @@ void ReferenceRender::store() {
         sums_->write(file_, key_);
     } catch (const std::exception& e) {
         notes_.warn(fmt::format("the reference could not be kept: {}. Give another folder with --cache DIR, or --cache none", e.what()));
+        return;
     }
+    try {
+        boundCache(file_.parent_path(), mostCached, file_);
+    } catch (const std::exception& e) { notes_.warn(e.what()); }
 }
 
 } // namespace chiaro::cli

@@ -81,4 +81,13 @@ private:
     bool fromCache_ = false;
 };
 
+inline constexpr const char* referenceEnding = ".reference"; // of their files
+// What a folder of references may take together, bytes.
+inline constexpr uint64_t mostCached = 1'000'000'000;
+// Deletes references of the folder, those used longest ago first, until the rest of them takes no more than so many bytes; `kept` stays
+// in any case. Another program that deletes at the same time is no fault. Throws Error(Exit::file) where one cannot be deleted.
+void boundCache(const std::filesystem::path& folder, uint64_t bytes, const std::filesystem::path& kept);
+// The file counts as used now.
+void markUsed(const std::filesystem::path&) noexcept;
+
 } // namespace chiaro::cli

@@ -78,6 +78,7 @@ Json entryJson(const report::Entry& e, const Stands& s, const judge::AgreementSe
            {"covers", e.covers},
            {"missing", s.missing.empty() ? Json(nullptr) : Json(s.missing)},
            {"missingShare", number(s.missingShare)},
+           {"ownShare", number(s.ownShare)},
            {"judged", judgedJson(s, rule)},
            {"seconds", e.seconds},
            {"prepassSeconds", e.prepassSeconds},

@@ -25,6 +25,7 @@ struct Stands {
     std::vector<float> z;               // a pixel; on the paths covered where these are a layer; empty: not known
     std::string missing;                // the shortest path left out by definition, as "La D D E"; empty: none
     std::optional<double> missingShare; // of the reference's mean
+    std::optional<double> ownShare;     // of the same: light that it shows on paths that it does not cover, an approximation of its own
 };
 
 // How one contestant is judged: known before anything is rendered.

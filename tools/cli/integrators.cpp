@@ -37,6 +37,7 @@ Json asJson(const IntegratorEntry& e) {
             {"unbiased", traits.unbiased},
             {"covers", traits.lightTransport ? traits.covers : ""},
             {"misses", traits.misses},
+            {"approximates", traits.lightTransport ? traits.approximates : ""},
             {"options", std::move(options)}};
 }
 
@@ -45,7 +46,8 @@ void print(const IntegratorEntry& e) {
     fmt::print("{:<12} {}\n", e.name, e.summary);
     if (traits.lightTransport) {
         fmt::print("{:<12}   covers {}{}", "", traits.covers, traits.unbiased ? "" : " (biased)");
-        fmt::print("{}\n", traits.misses.empty() ? "" : "; cannot find " + traits.misses);
+        fmt::print("{}", traits.misses.empty() ? "" : "; cannot find " + traits.misses);
+        fmt::print("{}\n", traits.approximates.empty() ? "" : "; approximates " + traits.approximates);
     } else {
         fmt::print("{:<12}   a debug view: no light paths\n", "");
     }

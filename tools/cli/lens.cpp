@@ -16,15 +16,33 @@ double focalLength(const CameraDesc& camera) { return sensorHalfHeight / std::ta
 
 bool isPixel(const std::string& focus) { return focus.find(',') != std::string::npos; }
 
-// Planar depth of what the raster position sees through a pinhole; infinity: nothing.
-float depthAt(const CameraDesc& desc, const Scene& scene, Size size, Point2 raster, float time) {
-    CameraDesc pinhole = desc;
-    pinhole.lens = {};
-    const Camera camera(pinhole, size.width, size.height, scene.shutter());
-    const Ray ray = camera.ray(raster, {0.5f, 0.5f}, time);
-    const Hit hit = scene.intersect(ray);
-    return hit ? camera.depth(ray.o + ray.d * hit.t) : infinity;
-}
+// A camera with its lens closed, in the middle of the shutter: where a picture with motion is sharp.
+class Pinhole {
+public:
+    Pinhole(CameraDesc desc, const Scene& scene, Size size) : scene_(scene), middle_{float(size.width) / 2, float(size.height) / 2} {
+        desc.lens = {};
+        camera_ = Camera(desc, size.width, size.height, scene.shutter());
+        axis_ = along(middle_);
+    }
+    Point2 middle() const noexcept { return middle_; }
+    float depth(const Vec3& p) const noexcept { return dot(p - axis_.o, axis_.d); } // planar
+    // Of what the raster position sees; infinity: nothing.
+    float depthAt(Point2 raster) const {
+        const Ray ray = along(raster);
+        const Hit hit = scene_.intersect(ray);
+        return hit ? depth(ray.o + ray.d * hit.t) : infinity;
+    }
+
+private:
+    Ray along(Point2 raster) const {
+        const Interval shutter = scene_.shutter();
+        return camera_.ray(raster, {0.5f, 0.5f}, shutter.open + (shutter.close - shutter.open) / 2);
+    }
+    const Scene& scene_;
+    Point2 middle_;
+    Camera camera_;
+    Ray axis_;
+};
 
 } // namespace
 
@@ -50,7 +68,7 @@ LensRequest readLens(const Arguments& a) {
     return r;
 }
 
-LensDesc chooseLens(const LensRequest& r, const CameraDesc& camera, const Scene& scene, Size size, float time) {
+LensDesc chooseLens(const LensRequest& r, const CameraDesc& camera, const Scene& scene, Size size) {
     LensDesc lens;
     if (!r) return lens;
     if (r.fNumber && camera.projection == Projection::orthographic)
@@ -65,17 +83,18 @@ LensDesc chooseLens(const LensRequest& r, const CameraDesc& camera, const Scene&
         lens.focus = parseReal("focus", r.focus, leastFocus, mostFocus);
         return lens;
     }
-    Point2 raster{float(size.width) / 2, float(size.height) / 2};
+    const Pinhole pinhole(camera, scene, size);
+    Point2 raster = pinhole.middle();
     if (isPixel(r.focus)) {
         const Pixel p = parsePixel("focus", r.focus, size);
         raster = {float(p.x) + 0.5f, float(p.y) + 0.5f};
     }
-    lens.focus = double(depthAt(camera, scene, size, raster, time));
+    lens.focus = double(pinhole.depthAt(raster));
     if (std::isfinite(lens.focus) && lens.focus > 0) return lens;
     if (isPixel(r.focus))
         throw Error(Exit::usage, fmt::format("--focus {}: this pixel sees no surface; give another one, or metres", r.focus));
     // The middle of the scene is the compiled scene's origin.
-    const double middle = double(Camera(camera, size.width, size.height).depth({0, 0, 0}));
+    const double middle = double(pinhole.depth({0, 0, 0}));
     lens.focus = middle > 0 ? middle : double(scene.radius());
     return lens;
 }

@@ -24,8 +24,9 @@ struct LensRequest {
 // Throws Error(Exit::usage).
 LensRequest readLens(const Arguments&);
 
-// Needs the scene: a focus may be what a pixel sees at that time. Where the picture's centre sees nothing, the middle of the scene.
-LensDesc chooseLens(const LensRequest&, const CameraDesc&, const Scene&, Size, float time);
+// Needs the scene: a focus may be what a pixel sees in the middle of the shutter. Where the picture's centre sees nothing, the middle of
+// the scene.
+LensDesc chooseLens(const LensRequest&, const CameraDesc&, const Scene&, Size);
 void tellLens(const LensRequest&, const LensDesc&, const Console&);
 
 } // namespace chiaro::cli

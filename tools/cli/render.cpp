@@ -72,11 +72,17 @@ std::vector<std::filesystem::path> costFilesOf(const RenderSettings& s, std::spa
     return all;
 }
 
-void warnDropped(const RenderSettings& s, const Job& job, const Film& film) {
+void warnDropped(const RenderSettings& s, const Job& job, const Integrator& integrator, const Film& film) {
     const std::vector<DroppedSample> dropped = film.droppedSamples();
     if (dropped.empty()) return;
     const DroppedSample& first = dropped.front();
-    const PathStart start = startPixel(job, first.pixel, first.sample);
+    const auto* camera = dynamic_cast<const CameraIntegrator*>(&integrator);
+    if (!camera) { // its paths begin elsewhere: no sample of a pixel brings them back
+        job.notes.warn(
+            fmt::format("{} non-finite samples dropped, the first at pixel {},{}", film.dropped(), first.pixel.x, first.pixel.y));
+        return;
+    }
+    const PathStart start = startPixel(job, first.pixel, first.sample, camera->starts(job));
     std::string material;
     if (start.first) material = job.scene.material(job.scene.point(start.first, start.ray).material).name;
     job.notes.warn(fmt::format("{} non-finite samples dropped{}. Reproduce: {}", film.dropped(),
@@ -113,7 +119,7 @@ int renderFilm(const RenderSettings& s, const LoadedScene& loaded, const View& v
     }
     rendered.noise = film.noise();
     rendered.mean = film.meanLuminance();
-    warnDropped(s, job, film);
+    warnDropped(s, job, *integrator, film);
     std::vector<std::filesystem::path> files = writeOutputs(s, loaded, view, display, film, seenAtCentres(job), rendered);
     console.warnings(notes);
     const int code = exitCode(s, rendered.result, notes);

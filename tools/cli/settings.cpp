@@ -133,7 +133,7 @@ View makeView(const RenderSettings& settings, const LoadedScene& loaded, CameraD
     camera = chooseCamera(*loaded.scene, settings.camera, double(framed.width) / framed.height, automatic);
     const Size size = automatic ? framed : sizeOf(settings, loaded, &camera);
     View view;
-    camera.lens = chooseLens(settings.lens, camera, *loaded.scene, size, loaded.scene->shutter().open);
+    camera.lens = chooseLens(settings.lens, camera, *loaded.scene, size);
     view.shutter = loaded.scene->shutter();
     view.camera = Camera(camera, size.width, size.height, view.shutter);
     view.width = size.width;

@@ -3,14 +3,19 @@
 #include "materials/possible_events.h"
 #include <fmt/format.h>
 #include <map>
+#include <vector>
 
 namespace chiaro::cli {
 namespace {
 
+// A light without extent is seen by nobody, nor are mirror images of it: such paths carry nothing that could be missing.
+constexpr const char* empty = "Ld S* E";
+std::string orEmpty(const std::string& paths) { return paths.empty() ? empty : fmt::format("{} | {}", paths, empty); }
+
 // The shortest wanted path that these traits leave out.
 std::optional<std::string> missing(const Traits& t, const std::string& wanted, const PathsPresent& present) {
-    if (auto path = firstCommon(wanted, t.misses, present)) return path;
-    return firstMissing(wanted, t.covers, present);
+    if (auto path = firstCommon(wanted, t.misses, empty, present)) return path;
+    return firstMissing(wanted, orEmpty(t.covers), present);
 }
 
 // "point and spot light", for a path that begins at a delta light.
@@ -25,6 +30,36 @@ std::string lightNames(const Scene& scene, const std::string& path) {
     return all + " light";
 }
 
+// The shortest wanted path of each way in which one can be absent.
+struct Absent {
+    std::optional<std::string> notFound, leftOut, approximated;
+};
+Absent wayOf(const Traits& t, const std::string& wanted, const PathsPresent& present) {
+    std::string shown = t.covers;
+    for (const std::string& more : {t.approximates, t.misses})
+        if (!more.empty()) shown += (shown.empty() ? "" : " | ") + more;
+    return {firstCommon(wanted, t.misses, empty, present), firstMissing(wanted, orEmpty(shown), present),
+            firstCommon(wanted, t.approximates, orEmpty(t.covers), present)};
+}
+
+// A sentence for each; empty: nothing is absent.
+std::string inWords(const Scene& scene, const IntegratorEntry& entry, const Absent& absent, const PathsPresent& present) {
+    std::vector<std::string> all;
+    if (const auto& path = absent.notFound) {
+        const bool glass = present.letters & (letter(Event::ST) | letter(Event::GT));
+        const bool caustic = path->find("S D") != std::string::npos || path->find("S G") != std::string::npos;
+        all.push_back(fmt::format("{} {}: {} cannot sample these {} ({}). Missing, not noisy.", lightNames(scene, *path),
+                                  glass ? "behind glass" : "and mirrors", entry.name, caustic ? "caustics" : "paths", *path));
+    }
+    if (absent.leftOut)
+        all.push_back(
+            fmt::format("{} leaves out light paths by definition ({} and the like). Missing, not noisy.", entry.name, *absent.leftOut));
+    if (absent.approximated)
+        all.push_back(
+            fmt::format("{} shows others only by approximation ({} and the like). Biased, not noisy.", entry.name, *absent.approximated));
+    return fmt::format("{}", fmt::join(all, " "));
+}
+
 } // namespace
 
 std::optional<std::string> unseenPath(const Scene& scene, const Traits& traits, const PathQuery& query) {
@@ -35,18 +70,13 @@ std::optional<std::string> unseenPaths(const Scene& scene, const IntegratorChoic
     const Traits traits = choice.entry->traits(choice.options);
     if (!traits.lightTransport) return {};
     const PathsPresent present{LetterSet(possibleLetters(scene) | eyeLetter), query.maxDepth};
-    const auto path = missing(traits, query.paths, present);
-    if (!path) return {};
-    std::string other;
+    const std::string text = inWords(scene, *choice.entry, wayOf(traits, query.paths, present), present);
+    if (text.empty()) return {};
     for (const IntegratorEntry& e : integrators()) {
         const Traits t = e.traits(Options(e.options));
-        if (other.empty() && t.lightTransport && !missing(t, query.paths, present)) other = e.name;
+        if (t.lightTransport && !missing(t, query.paths, present)) return fmt::format("{} Try -i {}.", text, e.name);
     }
-    const bool glass = present.letters & (letter(Event::ST) | letter(Event::GT));
-    const bool caustic = path->find("S D") != std::string::npos || path->find("S G") != std::string::npos;
-    return fmt::format("{} {}: {} cannot sample these {} ({}). Missing, not noisy.{}", lightNames(scene, *path),
-                       glass ? "behind glass" : "and mirrors", choice.entry->name, caustic ? "caustics" : "paths", *path,
-                       other.empty() ? "" : fmt::format(" Try -i {}.", other));
+    return text;
 }
 
 } // namespace chiaro::cli

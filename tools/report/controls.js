@@ -63,10 +63,22 @@ const keys = [
     ['?', 'this help', /^\?$/, () => toggleHelp()],
 ];
 
+// The choice is remembered where the browser lets a page do that (of a file some do not), and forgotten when it is the system's again.
+const themeKey = 'chiaro-theme', systemTheme = () => (matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light');
+function remembered(use) {
+    try {
+        return use(localStorage);
+    } catch { return null; }
+}
+export function startTheme() {
+    const theme = remembered((store) => store.getItem(themeKey));
+    if (theme === 'dark' || theme === 'light') document.documentElement.dataset.theme = theme;
+    byId('theme-button').addEventListener('click', toggleTheme);
+}
 function toggleTheme() {
-    const root = document.documentElement,
-          dark = root.dataset.theme ? root.dataset.theme === 'dark' : matchMedia('(prefers-color-scheme: dark)').matches;
-    root.dataset.theme = dark ? 'light' : 'dark';
+    const root = document.documentElement, theme = (root.dataset.theme || systemTheme()) === 'dark' ? 'light' : 'dark';
+    root.dataset.theme = theme;
+    remembered((store) => (theme === systemTheme() ? store.removeItem(themeKey) : store.setItem(themeKey, theme)));
 }
 
 function toggleHelp() {
@@ -200,7 +212,6 @@ export function startControls() {
             ([shown, text]) => [element('dt', {}, ...shown.split('  ').map((k) => element('kbd', {}, k))), element('dd', {}, text)]));
     byId('help-button').addEventListener('click', toggleHelp);
     byId('help-close').addEventListener('click', toggleHelp);
-    byId('theme-button').addEventListener('click', toggleTheme);
     document.addEventListener('keydown', pressed);
     const refresh = () => {
         for (const update of updates) update();

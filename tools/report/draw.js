@@ -82,15 +82,21 @@ function painter(index, other) {
     const map = shownMap();
     if (map !== null) {
         const pyramid = mapOf(index, map), info = mapInfo(map);
-        return pyramid && {pyramid, paint: (out, level, part) => paintMap(out, pyramid.level(level), part, info.diverging)};
+        return pyramid &&
+               {pyramid, factor: report.mapFactor, paint: (out, level, part) => paintMap(out, pyramid.level(level), part, info.diverging)};
     }
     const one = pictureOf(index);
     if (!one) return null;
     if (state.show === 'difference' && index === other) return null;
-    if (state.show !== 'difference') return {pyramid: one, paint: (out, level, part) => paintPicture(out, one.level(level), part)};
+    if (state.show !== 'difference')
+        return {pyramid: one, factor: report.factor, paint: (out, level, part) => paintPicture(out, one.level(level), part)};
     const two = pictureOf(other);
     if (!two || two.width !== one.width || two.height !== one.height) return null;
-    return {pyramid: one, paint: (out, level, part) => paintDifference(out, one.level(level), two.level(level), part)};
+    return {
+        pyramid: one,
+        factor: report.factor,
+        paint: (out, level, part) => paintDifference(out, one.level(level), two.level(level), part)
+    };
 }
 
 // Draws one entry into a context of a canvas; whether there was something to draw.
@@ -98,9 +104,9 @@ export function drawEntry(context, index, other) {
     const {width, height} = context.canvas, full = fullSize(index), place = placement(width, height, full);
     const source = painter(index, other);
     if (!source) return false;
-    const stored = place.scale * report.factor; // device pixels a stored pixel
+    const stored = place.scale * source.factor; // device pixels a stored pixel
     const wanted = stored >= 1 ? 0 : Math.floor(-Math.log2(stored) + 1e-6), level = source.pyramid.level(wanted);
-    const shrink = report.factor * 2 ** source.pyramid.levels.indexOf(level);
+    const shrink = source.factor * 2 ** source.pyramid.levels.indexOf(level);
     const part = {
         x0: Math.max(0, Math.floor(place.left / shrink)),
         y0: Math.max(0, Math.floor(place.top / shrink)),

@@ -1,8 +1,10 @@
 #include "tools/report/fit.h"
 #include "core/render/error.h"
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
+#include <iterator>
 #include <limits>
 
 namespace chiaro::report {
@@ -18,13 +20,18 @@ struct Source {
     std::vector<float> reduced; // owns the values where factor > 1
     double low = 0, high = 1;   // maps
 };
+constexpr std::size_t mapLevels = 3; // as they are, means of 2 x 2, means of 4 x 4
 struct Sources {
-    std::vector<Source> pictures, maps;
+    std::vector<Source> pictures;
+    std::array<std::vector<Source>, mapLevels> maps;
 };
+// A rung: mantissa bits of pictures, steps of maps on either side of the middle, level of maps.
 struct Quality {
     int mantissa, steps;
+    std::size_t level;
 };
-constexpr Quality ladder[] = {{10, 127}, {9, 63}, {8, 31}, {7, 15}};
+constexpr Quality ladder[] = {{10, 127, 0}, {10, 127, 1}, {9, 63, 1}, {8, 31, 1}, {7, 15, 1}, {6, 15, 2}, {5, 15, 1}, {5, 15, 2}};
+constexpr Quality least = ladder[std::size(ladder) - 1];
 
 Source sourceOf(const Image& image) {
     if (image.rgb.size() != std::size_t(image.width) * image.height * 3)
@@ -42,7 +49,7 @@ std::vector<Sources> sourcesOf(const Report& report) {
         for (const Map& m : e.maps) {
             if (m.values.size() != std::size_t(e.picture.width) * e.picture.height)
                 throw Error(Exit::internal, fmt::format("report: map {} of {} has {} values", m.name, e.name, m.values.size()));
-            s.maps.push_back({e.picture.width, e.picture.height, 1, &m.values, {}, m.low, m.high});
+            s.maps[0].push_back({e.picture.width, e.picture.height, 1, &m.values, {}, m.low, m.high});
         }
         all.push_back(std::move(s));
     }
@@ -78,13 +85,25 @@ Source halved(const Source& from) {
     return to;
 }
 
-void halve(std::vector<Sources>& all) {
+std::vector<Source> halved(const std::vector<Source>& from) {
+    std::vector<Source> to;
+    for (const Source& source : from) to.push_back(halved(source));
+    for (Source& source : to) source.values = &source.reduced;
+    return to;
+}
+
+// The levels of maps beyond the first.
+void reduceMaps(std::vector<Sources>& all) {
     for (Sources& s : all)
-        for (std::vector<Source>* list : {&s.pictures, &s.maps})
-            for (Source& source : *list) {
-                source = halved(source);
-                source.values = &source.reduced;
-            }
+        for (std::size_t level = 1; level < mapLevels; ++level) s.maps[level] = halved(s.maps[level - 1]);
+}
+
+void halve(std::vector<Sources>& all) {
+    for (Sources& s : all) {
+        s.pictures = halved(s.pictures);
+        s.maps[0] = std::move(s.maps[1]);
+    }
+    reduceMaps(all);
 }
 
 Planes planes(const Source& s, Quality q, int exponent) {
@@ -134,6 +153,7 @@ Range rangeOf(const std::vector<Sources>& all) {
 class Fitter {
 public:
     Fitter(const Report& report, std::uintmax_t budget) : budget_(budget), sources_(sourcesOf(report)) {
+        reduceMaps(sources_);
         for (const Entry& e : report.entries) mostLayers_ = std::max(mostLayers_, e.layers.size());
     }
 
@@ -152,14 +172,15 @@ public:
                 }
                 if (!done) continue;
                 done->factor = factor;
+                done->mapFactor = factor << q.level;
                 describe(*done, range.clipped);
                 return *std::move(done);
             }
             if (largest() <= 1) {
-                Fitted least = packed(ladder[3], 0, true).value();
-                least.factor = factor;
-                describe(least, range.clipped);
-                return least;
+                Fitted last = packed(least, 0, true).value();
+                last.factor = last.mapFactor = factor; // one pixel: its maps are one too
+                describe(last, range.clipped);
+                return last;
             }
             halve(sources_);
         }
@@ -181,7 +202,7 @@ private:
         const auto add = [&](const Source& s) { size += characters(packedSize(planes(s, q, exponent_))); };
         for (const Sources& s : sources_) {
             add(s.pictures[0]);
-            for (const Source& m : s.maps) add(m);
+            for (const Source& m : s.maps[q.level]) add(m);
             if (size > budget_) return none;
         }
         for (std::size_t layer = 1; layer <= mostLayers_; ++layer) {
@@ -210,7 +231,7 @@ private:
             };
             for (std::size_t i = 0; i < std::min(layers + 1, s.pictures.size()); ++i)
                 if (!add(entry.pictures, s.pictures[i])) return {};
-            for (const Source& m : s.maps)
+            for (const Source& m : s.maps[q.level])
                 if (!add(entry.maps, m)) return {};
             out.entries.push_back(std::move(entry));
         }
@@ -221,12 +242,14 @@ private:
         if (f.layers < mostLayers_)
             f.reductions.push_back(f.layers == 0 ? fmt::format("the {} layers are left out", mostLayers_)
                                                  : fmt::format("only the first {} of {} layers are kept", f.layers, mostLayers_));
-        if (f.mantissa < 10)
-            f.reductions.push_back(fmt::format("values are kept to {:.1g} % ({} bits of mantissa instead of 10), maps to {} levels",
-                                               100 * std::ldexp(1.0, -f.mantissa - 1), f.mantissa, 2 * f.mapSteps + 1));
         if (f.factor > 1)
             f.reductions.push_back(
                 fmt::format("pictures are reduced to means of {0} x {0} pixels; numbers and maps were computed before", f.factor));
+        if (f.mapFactor > f.factor) f.reductions.push_back(fmt::format("maps are reduced to means of {0} x {0} pixels", f.mapFactor));
+        if (f.mantissa < 10)
+            f.reductions.push_back(fmt::format("pictures' values are kept to {:.2g} % ({} bits of mantissa instead of 10)",
+                                               100 * std::ldexp(1.0, -f.mantissa - 1), f.mantissa));
+        if (f.mapSteps < 127) f.reductions.push_back(fmt::format("maps are kept to {} levels", 2 * f.mapSteps + 1));
         if (clipped > 0)
             f.reductions.push_back(
                 fmt::format("{} values above {:.4g} are kept as that", clipped, std::ldexp(double(largestHalf), f.exponent)));

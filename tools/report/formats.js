@@ -32,17 +32,27 @@ export function digits(value, count = 3) {
     return text.replace('-', '−');
 }
 
+// The same without zeros at the end, for values whose precision is not the point.
+export const short = (value, count = 3) => digits(value, count).replace(/(\.\d*?)0+$/, '$1').replace(/\.$/, '');
+
+// A value to the second digit of its error: ['0.1703', '0.0012'].
+export function measured(value, error, count = 4) {
+    const places = error > 0 ? Math.max(0, 1 - Math.floor(Math.log10(error))) : 99;
+    if (!Number.isFinite(value) || places > 8 || Math.abs(value) >= 1e6) return [digits(value, count), error > 0 ? digits(error, 2) : ''];
+    return [value, error].map((v) => v.toFixed(places).replace('-', '−'));
+}
+
 // A pixel's value: a NaN is one, not a value that is absent.
 export const pixelDigits = (value) => (Number.isNaN(value) ? 'NaN' : digits(value, 5));
 
 export function duration(seconds) {
     if (seconds === null || Number.isNaN(seconds)) return '–';
-    if (seconds < 1e-3) return digits(seconds * 1e6, 2) + ' µs';
-    if (seconds < 1) return digits(seconds * 1e3, 3) + ' ms';
-    if (seconds < 120) return digits(seconds, 3) + ' s';
-    if (seconds < 7200) return digits(seconds / 60, 3) + ' min';
-    if (seconds < 172800) return digits(seconds / 3600, 3) + ' h';
-    return digits(seconds / 86400, 3) + ' days';
+    if (seconds < 1e-3) return short(seconds * 1e6, 2) + ' µs';
+    if (seconds < 1) return short(seconds * 1e3) + ' ms';
+    if (seconds < 120) return short(seconds) + ' s';
+    if (seconds < 7200) return short(seconds / 60) + ' min';
+    if (seconds < 172800) return short(seconds / 3600) + ' h';
+    return short(seconds / 86400) + ' days';
 }
 
 export const counted = (count, one, many = one + 's') => `${count.toLocaleString('en')} ${count === 1 ? one : many}`;

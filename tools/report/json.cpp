@@ -131,6 +131,7 @@ std::string asJson(const Report& report, const Fitted& fitted) {
                    {"reference", report.reference ? Json(*report.reference) : Json()},
                    {"exponent", fitted.exponent},
                    {"factor", fitted.factor},
+                   {"mapFactor", fitted.mapFactor},
                    {"mantissa", fitted.mantissa},
                    {"mapSteps", fitted.mapSteps},
                    {"entries", std::move(entries)},

@@ -16,7 +16,7 @@ namespace chiaro::report {
 // IEEE 754 binary16, rounded to nearest even; what is too large becomes infinite, NaN stays NaN.
 uint16_t toHalf(float) noexcept;
 float fromHalf(uint16_t) noexcept;
-// The upper 6 + mantissa bits of a half (7 to 10 mantissa bits), rounded to nearest even. Finite stays finite, NaN stays NaN.
+// The upper 6 + mantissa bits of a half (5 to 10 mantissa bits), rounded to nearest even. Finite stays finite, NaN stays NaN.
 uint16_t shortened(uint16_t half, int mantissa) noexcept;
 uint16_t lengthened(uint16_t code, int mantissa) noexcept;
 

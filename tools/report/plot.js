@@ -1,14 +1,9 @@
 // A small plot: lines with bands on two logarithmic axes, as SVG. Colours are classes (c0..c7) of the style sheet.
-import {digits, element} from './formats.js';
+import {element, short} from './formats.js';
 
-const size = {
-    width: 560,
-    height: 340,
-    left: 62,
-    right: 14,
-    top: 12,
-    bottom: 46
-};
+// On a phone a smaller drawing, so that its letters stay as large as the page's.
+const size = innerWidth < 720 ? {width: 360, height: 250} : {width: 600, height: 340};
+const left = 56, right = 16, top = 10, bottom = 44;
 
 function bounds(values) {
     const good = values.filter((v) => v > 0 && Number.isFinite(v));
@@ -31,11 +26,11 @@ function ticksOf([low, high]) {
 }
 
 // series: [{name, color, points: [[x, y, low, high]]}]; null when there is nothing positive to draw.
-export function logPlot({title, xName, yName, series, format}) {
+export function logPlot({title, xName, series, format}) {
     const points = series.flatMap((s) => s.points);
     const xs = bounds(points.map((p) => p[0])), ys = bounds(points.flatMap((p) => [p[1], p[2], p[3]]));
     if (!xs || !ys) return null;
-    const {width, height, left, right, top, bottom} = size;
+    const {width, height} = size;
     const x = (v) => left + ((Math.log10(v) - xs[0]) / (xs[1] - xs[0])) * (width - left - right);
     const y = (v) => height - bottom - ((Math.log10(v) - ys[0]) / (ys[1] - ys[0])) * (height - top - bottom);
     const at = (px, py) => `${px.toFixed(1)},${py.toFixed(1)}`;
@@ -50,10 +45,7 @@ export function logPlot({title, xName, yName, series, format}) {
         svg.append(element('svg:line', {class: 'grid', x1: left, x2: width - right, y1: py, y2: py}),
                    element('svg:text', {x: left - 8, y: py + 4, 'text-anchor': 'end'}, percent(tick.value)));
     }
-    svg.append(element('svg:text', {class: 'axis', x: (left + width - right) / 2, y: height - 6, 'text-anchor': 'middle'}, xName),
-               element('svg:text',
-                       {class: 'axis', transform: `translate(13 ${(top + height - bottom) / 2}) rotate(-90)`, 'text-anchor': 'middle'},
-                       yName));
+    svg.append(element('svg:text', {class: 'axis', x: (left + width - right) / 2, y: height - 6, 'text-anchor': 'middle'}, xName));
     for (const s of series) {
         const good = s.points.filter((p) => p[0] > 0 && p[1] > 0 && Number.isFinite(p[0]) && Number.isFinite(p[1]));
         const banded = good.filter((p) => p[2] > 0 && Number.isFinite(p[2]) && Number.isFinite(p[3]));
@@ -70,4 +62,4 @@ export function logPlot({title, xName, yName, series, format}) {
     return svg;
 }
 
-export const percent = (v) => (v === null || Number.isNaN(v) ? '–' : digits(100 * v, 2) + ' %');
+export const percent = (v) => (v === null || Number.isNaN(v) ? '–' : short(100 * v, 2) + ' %');

@@ -12,12 +12,20 @@ export const standings = {
     reference: ['reference', 'What the others are measured against.'],
     agrees: ['agrees', 'No difference to the reference beyond noise.'],
     cannotTell: ['noisy', 'Too noisy to tell: longer rendering would decide it.'],
-    missesPaths: ['different by definition', 'It leaves light paths out, as its algorithm says; what it covers is right.'],
-    biased: ['biased', 'Its mean is off by more than noise can explain, by little.'],
-    differs: ['differs / wrong', 'It converges to something else.'],
+    missesPaths: [
+        'different by definition',
+        'Its algorithm leaves light paths out: it is meant to look different, and is judged only on what it covers.'
+    ],
+    biased: ['biased', 'Its brightness is off by a little, but by more than noise can explain.'],
+    differs: ['differs / wrong', 'It converges to another picture, and nothing in its algorithm says that it should.'],
     debug: ['debug view', 'It shows no light.'],
-    unjudged: ['not judged', 'Nothing was measured against it.'],
+    unjudged: ['not judged', 'Whether it differs by noise or by more cannot be told.'],
 };
+
+// An entry's sentence without the words that its badge says.
+export const found = (e) => e.verdict.replace(/^(agrees|noisy|biased|differs|wrong|not judged|a debug view): /, '')
+                                .replace(/^cannot tell yet, /, '')
+                                .replace(/^misses by definition: /, 'missing: ');
 
 const sizes = entries.map((e) => e.picture);
 const base = sizes.find((p) => p.width) || {fullWidth: 1, fullHeight: 1};
@@ -112,10 +120,9 @@ export function absence(index) {
 export const mapValue = (info, code) =>
     (code === -128 ? NaN : info.low + ((info.high - info.low) * (code + report.mapSteps)) / (2 * report.mapSteps));
 
-// Radiance at a pixel of the full picture, or null.
-export function valueAt(pyramid, pixel) {
+// Where in a pyramid a pixel of the full picture lies, or null. factor: pixels of the full picture a stored one, along each axis.
+export function valueAt(pyramid, pixel, factor = report.factor) {
     if (!pyramid || !pixel) return null;
-    const x = Math.min(pyramid.width - 1, Math.floor(pixel.x / report.factor)),
-          y = Math.min(pyramid.height - 1, Math.floor(pixel.y / report.factor));
+    const x = Math.min(pyramid.width - 1, Math.floor(pixel.x / factor)), y = Math.min(pyramid.height - 1, Math.floor(pixel.y / factor));
     return {index: y * pyramid.width + x, level: pyramid.levels[0]};
 }

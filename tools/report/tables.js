@@ -1,23 +1,30 @@
 // Everything beside the pictures: the answer in sentences, verdicts, numbers, curves, settings.
-import {byId, counted, digits, duration, element, fromJson, listed} from './formats.js';
+import {byId, counted, digits, duration, element, fromJson, listed, measured, short} from './formats.js';
 import {logPlot, percent} from './plot.js';
-import {entries, mapNames, reference, report, set, standings} from './state.js';
+import {entries, found, mapNames, reference, report, set, standings} from './state.js';
 import {badge} from './views.js';
 
 const others = entries.map((e, i) => ({...e, index: i})).filter((e) => e.index !== reference);
 const swatch = (index) => element('span', {class: 'swatch c' + (index % 8)});
 const strong = (text) => element('strong', {}, text);
 
-// Metrics by name: value, half interval and whether it is the best, or as good as the best within the intervals.
+// Who leaves light paths out by definition is near or far for that reason: it is ranked only where all do.
+const complete = others.filter((e) => !['debug', 'missesPaths'].includes(e.standing));
+const ranked = complete.length ? complete : others.filter((e) => e.standing !== 'debug');
+
+// Metrics by name, those that say who is nearest first: value, half interval and whether it is the best, or as good as the best within the
+// intervals.
 export function ranking() {
-    const names = [...new Set(others.flatMap((e) => e.metrics.map((m) => m.name)))];
+    const order = ['relMSE', 'FLIP', 'RMSE', 'relative bias', 'efficiency'];
+    const place = (name) => (order.includes(name) ? order.indexOf(name) : order.length);
+    const names = [...new Set(others.flatMap((e) => e.metrics.map((m) => m.name)))].sort((p, q) => place(p) - place(q));
     return names.map((name) => {
         const cells = others.map((e) => {
             const m = e.metrics.find((candidate) => candidate.name === name);
             return {index: e.index, metric: m, value: m ? fromJson(m.value) : NaN, error: m ? fromJson(m.error) || 0 : 0};
         });
         const first = cells.find((c) => c.metric);
-        const fair = cells.filter((c) => !Number.isNaN(c.value) && entries[c.index].standing !== 'debug');
+        const fair = cells.filter((c) => !Number.isNaN(c.value) && ranked.some((e) => e.index === c.index));
         if (first.metric.ranked && fair.length > 1) {
             const cost = (c) => (first.metric.smallerIsBetter ? Math.abs(c.value) : -c.value); // a bias has a sign
             const best = fair.reduce((p, q) => (cost(q) < cost(p) ? q : p));
@@ -29,9 +36,9 @@ export function ranking() {
 
 function agreement() {
     const groups = [
-        ['agrees', (n) => [n, ' agree' + (n.length === 1 ? 's' : ''), ' with the reference']],
+        ['agrees', (n) => [n, n.length === 1 ? ' agrees' : ' agree', ' with the reference']],
         ['cannotTell', (n) => [n, n.length === 1 ? ' is' : ' are', ' too noisy to tell']],
-        ['missesPaths', (n) => [n, n.length === 1 ? ' is' : ' are', ' different by definition (light paths left out)']],
+        ['missesPaths', (n) => [n, n.length === 1 ? ' is' : ' are', ' different by definition (algorithms that leave light paths out)']],
         ['biased', (n) => [n, n.length === 1 ? ' is' : ' are', ' biased']],
         ['differs', (n) => [n, n.length === 1 ? ' differs' : ' differ', ': something is wrong']],
         ['debug', (n) => [n, n.length === 1 ? ' is a debug view' : ' are debug views', ' without light']],
@@ -49,22 +56,34 @@ function agreement() {
 }
 
 function winner() {
-    const columns = ranking().filter((c) => c.ranked && c.cells.some((x) => x.best === 'best'));
-    const column = columns.find((c) => c.name === 'relMSE') || columns.find((c) => c.name === 'FLIP') || columns[0];
-    if (!column) return null;
+    const columns = ranking().filter((c) => c.ranked), column = columns.find((c) => c.cells.some((x) => x.best === 'best'));
+    if (!column) { // one alone: how near it is
+        const [only] = ranked, far = ranked.length === 1 && others.length > 1 && complete.length === 1
+                                         ? [' is the only one here that makes all light paths']
+                                         : [' against the reference'];
+        const said = columns.slice(0, 2).map((c) => c.cells.find((x) => x.index === only?.index)).map((x, i) => [columns[i].name, x]);
+        const near = said.filter(([, x]) => x && !Number.isNaN(x.value)).map(([name, x]) => {
+            const [value, error] = measured(x.value, x.error, 3);
+            return `${name} ${value}${error ? ' ± ' + error : ''}`;
+        });
+        return ranked.length === 1 && near.length
+                   ? {label: 'How near', words: [strong(only.name), ...far, `: ${near.join(', ')} (0 is the same).`]}
+                   : null;
+    }
     const best = column.cells.find((c) => c.best === 'best'), ties = column.cells.filter((c) => c.best === 'tie');
-    const times = others.filter((e) => e.seconds > 0).map((e) => e.seconds);
-    const equal = times.length === others.length && Math.max(...times) <= 1.1 * Math.min(...times);
+    const times = ranked.filter((e) => e.seconds > 0).map((e) => e.seconds);
+    const equal = times.length === ranked.length && Math.max(...times) <= 1.1 * Math.min(...times);
     const when = equal ? `At equal time (${duration(Math.max(...times))})`
                  : times.length ? 'At unequal times (see the table)'
                                 : 'Of the pictures as they are';
-    const words = [when + ', ', strong(entries[best.index].name), ` is nearest: ${column.name} ${digits(best.value)}`];
+    const those = ranked.length < others.length ? ' and of those that make all light paths' : '';
+    const words = [when + those + ', ', strong(entries[best.index].name), ` is nearest: ${column.name} ${digits(best.value)}`];
     if (ties.length) words.push(`, not to be told apart from ${listed(ties.map((t) => entries[t.index].name))}`);
     const next = column.cells.filter((c) => c.best === '' && Number.isFinite(c.value))
                      .sort((p, q) => Math.abs(p.value - best.value) - Math.abs(q.value - best.value))[0];
     if (next && best.value > 0 && column.smaller)
         words.push(`; next is ${entries[next.index].name} with ${digits(next.value / best.value, 2)} times as much`);
-    return [...words, '.'];
+    return {label: 'Better', words: [...words, '.']};
 }
 
 function answer() {
@@ -85,8 +104,14 @@ function answer() {
                                                       : null;
     const row = (label, ...words) => [element('dt', {}, label), element('dd', {}, ...words)];
     const best = winner();
-    byId('answer').replaceChildren(...row('What', ...what), ...row('Agree?', ...agreement()), ...(best ? row('Better', ...best) : []),
-                                   ...(where ? row('Where', where) : []));
+    byId('answer').replaceChildren(...row('What', ...what), ...row('Agree?', ...agreement()),
+                                   ...(best ? row(best.label, ...best.words) : []), ...(where ? row('Where', where) : []));
+}
+
+// What the badge means, then what was found.
+function sentence(e) {
+    const meaning = standings[e.standing][1], said = found(e).replaceAll(' %', '\u00a0%');
+    return said ? `${meaning} ${said[0].toUpperCase()}${said.slice(1)}${/ [.!? ] $ /.test(said) ? '' : '.'}`: meaning;
 }
 
 function verdicts() {
@@ -95,18 +120,21 @@ function verdicts() {
                          ? duration(e.seconds) + (e.prepassSeconds > 0 ? ` (${duration(e.prepassSeconds)} before the first sample)` : '')
                                                                        : '';
         const facts =
-            [time, e.spp > 0 ? digits(e.spp, 4) + ' spp' : '', e.seeds > 1 ? counted(e.seeds, 'seed') : '', e.file].filter(Boolean).join(
+            [time, e.spp > 0 ? short(e.spp, 4) + ' spp' : '', e.seeds > 1 ? counted(e.seeds, 'seed') : '', e.file].filter(Boolean).join(
                 ' · ');
         const odd = e.picture.nan + e.picture.infinite;
         const lost = [
             odd ? `${counted(odd, 'pixel')} not finite (${e.picture.nan} NaN, ${e.picture.infinite} infinite)` : '',
-            e.dropped ? counted(e.dropped, e.source === 'integrator' ? 'non-finite sample dropped' : 'non-finite value',
-                                e.source === 'integrator' ? 'non-finite samples dropped' : 'non-finite values')
-                      : ''
+            e.dropped && !(odd && e.source !== 'integrator')
+                ? counted(e.dropped, e.source === 'integrator' ? 'non-finite sample dropped' : 'non-finite value',
+                          e.source === 'integrator' ? 'non-finite samples dropped' : 'non-finite values')
+                : ''
         ].filter(Boolean).join('; ');
         return element(
-            'li', {}, element('div', {class: 'who'}, swatch(index), strong(e.name), badge(e.standing)),
-            element('div', {class: 'says'}, element('p', {}, e.verdict || standings[e.standing][1]),
+            'li', {},
+            element('div', {class: 'who'}, element('span', {}, swatch(index), strong(e.name)),
+                    e.name === standings[e.standing][0] ? null : badge(e.standing)),
+            element('div', {class: 'says'}, element('p', {}, sentence(e)),
                     element('p', {class: 'quiet'}, e.covers ? 'Light paths: ' + e.covers : 'Light paths: unknown, a picture from a file'),
                     element('p', {class: 'quiet'}, facts), lost ? element('p', {class: 'warning'}, lost) : null));
     }));
@@ -115,17 +143,21 @@ function verdicts() {
 function metrics() {
     const columns = ranking();
     if (!columns.length) return byId('metrics').remove();
+    const bounded = columns.some((c) => c.cells.some((x) => x.error > 0));
+    byId('metric-text').textContent = `Against the reference${bounded ? ', with 95 % intervals over the seeds' : ''}.${
+        ranked.length < others.length ? ' Who leaves light paths out by definition, or shows no light, is not ranked.' : ''}`;
+    const timed = others.some((e) => e.seconds > 0);
     const sense = (c) => (c.ranked ? (c.smaller ? 'smaller is better' : 'larger is better') : 'for information');
     byId('metric-table')
         .append(element('thead', {},
                         element('tr', {}, element('th', {scope: 'col'}, 'Picture'),
-                                columns.map((c) => element('th', {scope: 'col'}, c.name, element('small', {}, sense(c)))))),
+                                timed ? [element('th', {scope: 'col'}, 'time'), element('th', {scope: 'col'}, 'samples')] : null, columns.map((c) => element('th', {scope: 'col'}, c.name, element('small', {}, sense(c)))))),
                 element('tbody', {},
                         others.map(
-                            (e, row) => element('tr', {}, element('th', {scope: 'row'}, swatch(e.index), e.name), columns.map((c) => {
-                                const cell = c.cells[row];
-                                return element('td', {class: cell.best || null}, element('span', {class: 'number'}, digits(cell.value, 4)),
-                                               cell.error > 0 ? element('span', {class: 'quiet'}, ' ± ' + digits(cell.error, 2)) : null,
+                            (e, row) => element('tr', {}, element('th', {scope: 'row'}, swatch(e.index), e.name), timed ? [element('td', {}, e.seconds > 0 ? duration(e.seconds) : '–'), element('td', {}, e.spp > 0 ? short(e.spp, 4) + ' spp' : '–')] : null, columns.map((c) => {
+                                const cell = c.cells[row], parts = /^relative /.test(c.name) ? 100 : 1, [value, error] = measured(parts * cell.value, parts * cell.error);
+                                return element('td', {class: cell.best || null}, element('span', {class: 'number'}, value),
+                                               error ? element('span', {class: 'quiet'}, ' ± ' + error) : null, parts > 1 && !Number.isNaN(cell.value) ? ' %' : null,
                                                cell.best === 'best'  ? element('span', {class: 'mark'}, 'best')
                                                : cell.best === 'tie' ? element('span', {class: 'mark tie'}, 'tied')
                                                                      : null);
@@ -141,16 +173,10 @@ function curves() {
                               points: c.points.map((p) => [fromJson(p[column]), fromJson(p[2]), fromJson(p[3]), fromJson(p[4])])
                           }));
     const plots = [
-        logPlot({title: 'Error against time', xName: 'render time', yName: 'relative error (RMS)', series: series(0), format: duration}),
-        logPlot({
-            title: 'Error against samples',
-            xName: 'samples a pixel',
-            yName: 'relative error (RMS)',
-            series: series(1),
-            format: (v) => digits(v, 2)
-        })
+        logPlot({title: 'Error against time', xName: 'render time', series: series(0), format: duration}),
+        logPlot({title: 'Error against samples', xName: 'samples a pixel', series: series(1), format: (v) => short(v, 2)})
     ];
-    const titles = ['Error against time', 'Error against samples'];
+    const titles = ['Relative error (RMS) against time', 'Relative error (RMS) against samples'];
     byId('plots').append(
         ...plots.map((plot, i) => plot && element('figure', {}, element('figcaption', {}, titles[i]), plot)).filter(Boolean));
     byId('legend').append(...report.curves.map(
@@ -167,28 +193,30 @@ function curves() {
                         report.curves.flatMap(
                             (c) => c.points.map((p) => element('tr', {}, element('th', {scope: 'row'}, entries[c.entry].name),
                                                                element('td', {}, duration(fromJson(p[0]))),
-                                                               element('td', {}, digits(fromJson(p[1]), 4)),
+                                                               element('td', {}, short(fromJson(p[1]), 4)),
                                                                [2, 3, 4].map((k) => element('td', {}, percent(fromJson(p[k])))))))));
 }
 
 function times() {
     if (!report.timeToError.length || !report.curves.length) return byId('times').remove();
     byId('time-table')
-        .append(
-            element('thead', {},
-                    element('tr', {}, element('th', {scope: 'col'}, 'Error'),
-                            report.curves.map((c) => element('th', {scope: 'col'}, swatch(c.entry), entries[c.entry].name)))),
-            element('tbody', {}, report.timeToError.map((row) => {
-                const seconds = row.cells.map((c) => fromJson(c.seconds)), least = Math.min(...seconds.filter((s) => s >= 0));
-                return element(
-                    'tr', {}, element('th', {scope: 'row'}, percent(fromJson(row.error))),
-                    row.cells.map((c, i) => element(
-                                      'td', {class: seconds[i] === least ? 'best' : null},
-                                      Number.isNaN(seconds[i]) ? element('span', {class: 'quiet'}, 'never, as far as can be told')
-                                                               : element('span', {class: c.extrapolated ? 'quiet number' : 'number'},
-                                                                         (c.extrapolated ? '≈ ' : '') + duration(seconds[i])),
-                                      seconds[i] === least && row.cells.length > 1 ? element('span', {class: 'mark'}, 'fastest') : null)));
-            })));
+        .append(element('thead', {},
+                        element('tr', {}, element('th', {scope: 'col'}, 'Error'),
+                                report.curves.map((c) => element('th', {scope: 'col'}, swatch(c.entry), entries[c.entry].name)))),
+                element('tbody', {}, report.timeToError.map((row) => {
+                    const seconds = row.cells.map((c) => fromJson(c.seconds)),
+                          fair = row.cells.map((_, i) => ranked.some((e) => e.index === report.curves[i].entry)),
+                          least = Math.min(...seconds.filter((s, i) => s >= 0 && fair[i])), best = (i) => fair[i] && seconds[i] === least;
+                    return element(
+                        'tr', {}, element('th', {scope: 'row'}, percent(fromJson(row.error))),
+                        row.cells.map(
+                            (c, i) =>
+                                element('td', {class: best(i) ? 'best' : null},
+                                        Number.isNaN(seconds[i]) ? element('span', {class: 'quiet'}, 'not reached')
+                                                                 : element('span', {class: c.extrapolated ? 'quiet number' : 'number'},
+                                                                           (c.extrapolated ? '≈ ' : '') + duration(seconds[i])),
+                                        best(i) && fair.filter(Boolean).length > 1 ? element('span', {class: 'mark'}, 'fastest') : null)));
+                })));
 }
 
 function command(label, text) {

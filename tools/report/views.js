@@ -6,6 +6,7 @@ import {attachPointers} from './input.js';
 import {
     absence,
     entries,
+    found,
     fullHeight,
     fullWidth,
     mapInfo,
@@ -68,8 +69,9 @@ function caption(index) {
                 letter
                     ? element('abbr', {class: 'letter', title: letter === 'A' ? 'the first of two (A)' : 'the second of two (B)'}, letter)
                     : null,
-                badge(e.standing)),
-        element('span', {class: 'covers'}, e.covers || e.verdict)
+                e.name === standings[e.standing][0] ? null : badge(e.standing)),
+        element('span', {class: 'covers', title: e.covers ? 'the light paths that it makes; the last section says how to read them' : null},
+                e.covers || found(e))
     ];
 }
 
@@ -164,7 +166,7 @@ function readOut() {
                                                                        value === null ? '–' : pixelDigits(value));
         let extra = element('td');
         if (map) {
-            const at = valueAt(mapOf(index, map), pixel);
+            const at = valueAt(mapOf(index, map), pixel, report.mapFactor);
             if (at) extra = cell(mapValue(mapInfo(map), at.level.codes[at.index]), 'map');
         } else if (state.show === 'difference' && found && base)
             extra = cell(found.y - base.y, 'map');
@@ -177,7 +179,9 @@ function readOut() {
     }));
     byId('pixel-x').value = pixel ? pixel.x : '';
     byId('pixel-y').value = pixel ? pixel.y : '';
-    byId('pixel-note').textContent = report.factor > 1 ? `mean of ${report.factor} × ${report.factor} pixels` : info ? info.caption : '';
+    byId('pixel-note').textContent =
+        !pixel ? 'point at a picture or tap it to read its values'
+               : [map ? report.mapFactor : report.factor].map((f) => (f > 1 ? `${map || 'value'}: mean of ${f} × ${f} pixels` : ''))[0];
     announce();
 }
 
