@@ -195,11 +195,11 @@ std::span<const Row> rows() {
         // The lamps themselves, the smallest far below a pixel.
         {"@veach-mis", "", 0.1, {{"raycast", 0.25}, {"whitted", 0.25}, {"light", 0.25}}},
         {"@caustic", "L S+ (D .*)? E", 0.01},
-        // The lamp in the ball's mirror is far below a pixel: a path tracer finds it once in 10^4 samples of one pixel, by Fresnel's
-        // chance,
-        // and cannot be the reference of those who follow both rays.
+        // The lamp in the ball's mirror is far below a pixel: a path tracer finds it once in 10^4 samples of one pixel, by
+        // Fresnel's chance, and cannot be the reference of those who follow both rays.
         {"@caustic", "L S+ E", 0.5},
-        {"@playground", "", 0.02},
+        // The lamp in mirror and glass, its caustics, and for light tracing a plain that lies mostly out of view.
+        {"@playground", "", 0.045, {{"raycast", 0.001}, {"whitted", 0.02}, {"light", 0.4}}},
         {"@furnace", "", 0.002, {{"light", 0.01}}, {32, 16, 32, 0, 1}},
     };
     return all;
