@@ -1,7 +1,7 @@
 #include "integrators/distributed_light.h"
-#include "core/math/warp.h"
 #include "core/render/fault.h"
 #include "integrators/shadow_batch.h"
+#include "integrators/transport.h"
 
 namespace chiaro {
 namespace {
@@ -18,23 +18,6 @@ float share(const LightSample& light, const BsdfValue& value, const BsdfTerm& te
     const bool rival = (term.event == Event::GR && plan.reflected) || (term.event == Event::GT && plan.transmitted);
     if (!rival || light.delta || plan.lobeSamples == 0) return 1;
     return powerHeuristic(float(plan.lightSamples) * light.pdfW, float(plan.lobeSamples) * value.pdfW);
-}
-
-uint32_t logRay(PathLog& log, const Scene& scene, const SurfacePoint& at, const LightSample& light, const BsdfTerm& term,
-                const Spectrum& throughput, const Spectrum& weight) {
-    const bool far = !std::isfinite(light.shadow.tfar);
-    const Vec3 end = light.shadow.o + light.shadow.d * (far ? scene.radius() : light.shadow.tfar);
-    return log.add({.parent = log.here,
-                    .kind = PathLog::Kind::light,
-                    .p = end,
-                    .normal = {},
-                    .t = far ? infinity : length(end - at.p),
-                    .event = term.event,
-                    .weight = weight,
-                    .pdfW = light.pdfW,
-                    .delta = light.delta,
-                    .light = light.light,
-                    .throughput = throughput * weight});
 }
 
 } // namespace
@@ -76,7 +59,8 @@ ShadowCount addDirectSplit(const Job& job, const SurfacePoint& at, const Bsdf& b
         }
         if (d.layer[0] == 0 && d.layer[1] == 0) continue;
         if (out.log) [[unlikely]]
-            d.logged = logRay(*out.log, job.scene, at, *light, value.terms[d.layer[0] ? 0 : 1], throughput, weight);
+            d.logged =
+                out.log->add(shadowVertex(*out.log, job.scene, at, *light, value.terms[d.layer[0] ? 0 : 1].event, throughput, weight));
         if (plan.shadows) {
             batch.add(light->shadow, d);
             if (batch.full()) batch.trace(deliver);

@@ -12,6 +12,10 @@ bool bulb(const Lamp& lamp) noexcept { return lamp.kind == LightKind::area && !f
 
 } // namespace
 
+Attenuation Attenuation::from(const Options& o) {
+    return {o.text("attenuation") == "physical", float(o.real("c1")), float(o.real("c2")), float(o.real("c3"))};
+}
+
 LocalLights::LocalLights(const Scene& scene, const Attenuation& attenuation)
     : scene_(&scene), lamps_(scene.lights().lamps()), attenuation_(attenuation), margin_(64 * 0x1p-23f * scene.radius()) {
     moves_ = scene.shutter().close > scene.shutter().open;

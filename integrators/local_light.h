@@ -10,6 +10,7 @@
 // Sources: Whitted, An Improved Illumination Model for Shaded Display, 1980; Foley, van Dam, Feiner, Hughes, Computer Graphics: Principles
 // and Practice, 1990, equation 16.8 (attenuation).
 #pragma once
+#include "core/render/options.h"
 #include "core/scene/scene.h"
 #include <optional>
 #include <span>
@@ -22,11 +23,23 @@ namespace chiaro {
 struct Attenuation {
     bool physical = true;
     float c1 = 1, c2 = 0, c3 = 1;
+    static Attenuation from(const Options&); // of an integrator that lists the four options below
     float at(float distance) const noexcept {
         const float sum = c1 + distance * (c2 + distance * c3);
         return sum > 1 ? 1 / sum : 1;
     }
 };
+
+inline constexpr OptionSpec attenuationOption{"attenuation",
+                                              OptionType::choice,
+                                              "physical",
+                                              0,
+                                              0,
+                                              "physical|classic",
+                                              "of lamps: 1/d^2, or min(1, 1/(c1 + c2 d + c3 d^2)), d in metres"},
+    c1Option{"c1", OptionType::real, "1", 0, 1e9, "", "of attenuation=classic"},
+    c2Option{"c2", OptionType::real, "0", 0, 1e9, "", "of attenuation=classic, 1/m"},
+    c3Option{"c3", OptionType::real, "1", 0, 1e9, "", "of attenuation=classic, 1/m2"};
 
 class LocalLights {
 public:

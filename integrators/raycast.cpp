@@ -30,11 +30,10 @@ constexpr OptionSpec specs[] = {
     {"shadows", OptionType::choice, "none", 0, 0, "none|ray|map", "none, by a ray to every lamp, or by two-pass shadow maps"},
     {"map-size", OptionType::integer, "512", 1, 16384, "", "texels along the edge of a shadow map; a lamp with a place has six"},
     {"map-bias", OptionType::real, "1", 0, 1e6, "", "depth that a shadow map forgives, in texels: 0 shows acne, many detach shadows"},
-    {"attenuation", OptionType::choice, "physical", 0, 0, "physical|classic",
-     "of lamps: 1/d^2, or min(1, 1/(c1 + c2 d + c3 d^2)), d in metres"},
-    {"c1", OptionType::real, "1", 0, 1e9, "", "of attenuation=classic"},
-    {"c2", OptionType::real, "0", 0, 1e9, "", "of attenuation=classic, 1/m"},
-    {"c3", OptionType::real, "1", 0, 1e9, "", "of attenuation=classic, 1/m2"},
+    attenuationOption,
+    c1Option,
+    c2Option,
+    c3Option,
     {"aa", OptionType::choice, "filter", 0, 0, "filter|centre", "samples from the pixel filter, or all at the pixel's centre"},
 };
 
@@ -85,8 +84,7 @@ public:
         : material_(o.text("shading") == "material"), normalised_(o.text("highlight") == "normalised"),
           lobe_(o.text("shading") == "blinn" ? ClassicLobe::blinn : ClassicLobe::phong), exponent_(float(o.real("exponent"))),
           ambient_(float(o.real("ambient"))), rays_(o.text("shadows") == "ray"), mapped_(o.text("shadows") == "map"),
-          mapSize_(uint32_t(o.integer("map-size"))), mapBias_(float(o.real("map-bias"))),
-          attenuation_{o.text("attenuation") == "physical", float(o.real("c1")), float(o.real("c2")), float(o.real("c3"))},
+          mapSize_(uint32_t(o.integer("map-size"))), mapBias_(float(o.real("map-bias"))), attenuation_(Attenuation::from(o)),
           centre_(o.text("aa") == "centre" ? gridPattern(1) : std::vector<Point2>()) {}
 
     void prepare(const Job&) override;

@@ -9,28 +9,33 @@ namespace {
 [[gnu::cold, gnu::noinline]] void logShadow(PathLog& log, const Scene& scene, const SurfacePoint& at, const LightSample& light,
                                             const BsdfValue& value, const Spectrum& throughput, const Spectrum& weight, bool blocked,
                                             const Spectrum& contribution) {
-    const bool far = !std::isfinite(light.shadow.tfar);
     const BsdfTerm& term = value.n > 1 && luminance(value.terms[1].f) > luminance(value.terms[0].f) ? value.terms[1] : value.terms[0];
-    const Vec3 end = light.shadow.o + light.shadow.d * (far ? scene.radius() : light.shadow.tfar);
-    PathLog::Vertex v{.parent = log.here,
-                      .kind = PathLog::Kind::light,
-                      .p = end,
-                      .normal = {},
-                      .t = far ? infinity : length(end - at.p),
-                      .event = term.event,
-                      .weight = weight,
-                      .pdfW = light.pdfW,
-                      .delta = light.delta,
-                      .blocked = blocked,
-                      .light = light.light,
-                      .throughput = throughput * weight,
-                      .contribution = contribution};
+    PathLog::Vertex v = shadowVertex(log, scene, at, light, term.event, throughput, weight);
+    v.blocked = blocked;
+    v.contribution = contribution;
     if (blocked)
         if (const Hit hit = scene.intersect(light.shadow)) v.material = scene.attributes(hit).material;
     log.add(v);
 }
 
 } // namespace
+
+PathLog::Vertex shadowVertex(const PathLog& log, const Scene& scene, const SurfacePoint& at, const LightSample& light, Event event,
+                             const Spectrum& throughput, const Spectrum& weight) {
+    const bool far = !std::isfinite(light.shadow.tfar);
+    const Vec3 end = light.shadow.o + light.shadow.d * (far ? scene.radius() : light.shadow.tfar);
+    return {.parent = log.here,
+            .kind = PathLog::Kind::light,
+            .p = end,
+            .normal = {},
+            .t = far ? infinity : length(end - at.p),
+            .event = event,
+            .weight = weight,
+            .pdfW = light.pdfW,
+            .delta = light.delta,
+            .light = light.light,
+            .throughput = throughput * weight};
+}
 
 Turn turn(const PathClasses& classes, PathState state, const Bsdf& bsdf, const BsdfSample& sample, Sampler& sampler) noexcept {
     if (sample.delta || !classes.sorts(state)) {

@@ -25,6 +25,10 @@ enum class Mis : bool { off, on };
 void addDirect(const Job&, const SurfacePoint& at, const Bsdf&, PathState, const Spectrum& throughput, const std::optional<LightSample>&,
                Mis, Outputs&) noexcept;
 
+// A shadow ray under the vertex at which the path stands, not yet known to arrive. weight: of the event there, the share of its strategy
+// included.
+[[gnu::cold]] PathLog::Vertex shadowVertex(const PathLog&, const Scene&, const SurfacePoint& at, const LightSample&, Event,
+                                           const Spectrum& throughput, const Spectrum& weight);
 // The path has arrived: on a surface, or nowhere. throughput: on arrival.
 [[gnu::cold]] void logSurface(PathLog&, const SurfacePoint& at, const Vec3& normal, float t, const Spectrum& throughput);
 [[gnu::cold]] void logSky(PathLog&, const Scene&, const Ray&, const Spectrum& throughput);

@@ -20,11 +20,10 @@ constexpr OptionSpec table[] = {
      "rough lobes: direct light alone, or also one ray as if they were smooth"},
     {"transparency", OptionType::choice, "refractive", 0, 0, "refractive|filtered|interpolated|specular-added",
      "refraction, or straight on: added to the surface's own shade, blended with it, or blended with all but its highlights"},
-    {"attenuation", OptionType::choice, "physical", 0, 0, "physical|classic",
-     "of lamps: 1/d^2, or min(1, 1/(c1 + c2 d + c3 d^2)), d in metres"},
-    {"c1", OptionType::real, "1", 0, 1e9, "", "of attenuation=classic"},
-    {"c2", OptionType::real, "0", 0, 1e9, "", "of attenuation=classic, 1/m"},
-    {"c3", OptionType::real, "1", 0, 1e9, "", "of attenuation=classic, 1/m2"},
+    attenuationOption,
+    c1Option,
+    c2Option,
+    c3Option,
     {"ray-falloff", OptionType::boolean, "off", 0, 0, "",
      "multiply by min(1, 1/d) along every ray, as some old texts do; radiance does not fade in truth"},
     {"min-weight", OptionType::real, "1e-5", 0, 1, "", "adaptive tree depth: a ray whose share of the pixel is smaller is not cast"},
@@ -57,9 +56,9 @@ WhittedSettings::WhittedSettings(const Options& o)
     : area(choice<Area>(o, "area")), shadows(choice<Shadows>(o, "shadows")), fresnel(choice<Fresnel>(o, "fresnel")),
       glossy(choice<Glossy>(o, "glossy")), transparency(choice<Transparency>(o, "transparency")),
       ambient(Spectrum(float(o.real("ambient-r")), float(o.real("ambient-g")), float(o.real("ambient-b"))) * float(o.real("ambient"))),
-      attenuation{o.text("attenuation") == "physical", float(o.real("c1")), float(o.real("c2")), float(o.real("c3"))},
-      rayFalloff(o.boolean("ray-falloff")), minWeight(float(o.real("min-weight"))), maxNodes(uint32_t(o.integer("max-nodes"))),
-      antiAliasing(choice<AntiAliasing>(o, "aa")), samples(uint32_t(o.integer("aa-samples"))), contrast(float(o.real("aa-contrast"))) {
+      attenuation(Attenuation::from(o)), rayFalloff(o.boolean("ray-falloff")), minWeight(float(o.real("min-weight"))),
+      maxNodes(uint32_t(o.integer("max-nodes"))), antiAliasing(choice<AntiAliasing>(o, "aa")), samples(uint32_t(o.integer("aa-samples"))),
+      contrast(float(o.real("aa-contrast"))) {
     if (antiAliasing == AntiAliasing::filter || antiAliasing == AntiAliasing::centre) samples = 1;
     if (antiAliasing != AntiAliasing::grid && antiAliasing != AntiAliasing::jitter) return;
     const auto side = uint32_t(std::lround(std::sqrt(double(samples))));

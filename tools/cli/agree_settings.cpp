@@ -26,17 +26,8 @@ void readScene(const Arguments& a, AgreeSettings& s) {
     s.base.scene = readSceneRequest(a);
     s.integrators = a.given("integrator") ? chooseIntegrators(a.text("integrator")) : allLightTransport();
     refuseDebugViews(s.integrators);
-    if (a.given("max-depth")) s.base.paths.maxDepth = uint32_t(parseWhole("max-depth", a.text("max-depth"), 0, unlimitedDepth - 1));
-    s.base.paths.paths = a.text("paths");
-    s.base.classes = PathClasses::make(s.base.paths);
-    s.base.size = a.text("size");
-    if (!s.base.size.empty()) parseSize("size", s.base.size);
-    s.base.seed = parseWhole("seed", a.text("seed"), 0, 0x7fffffff);
-    if (a.given("threads")) s.base.threads = unsigned(parseWhole("threads", a.text("threads"), 1, 4096));
-    s.base.sampler = SamplerKind(parseChoice("sampler", a.text("sampler"), {"sobol", "independent"}));
-    s.base.filter = FilterKind(parseChoice("filter", a.text("filter"), {"box", "gauss", "blackman-harris"}));
-    s.base.camera = a.text("camera");
-    s.base.lens = readLens(a);
+    readFrame(a, s.base);
+    s.base.seed = parseWhole("seed", a.text("seed"), 0, 0x7fffffff); // bits above it part the pictures of one run
     s.replicates = uint32_t(parseWhole("replicates", a.text("replicates"), 2, 1u << 16));
     if (a.given("spp")) s.spp = uint32_t(parseWhole("spp", a.text("spp"), 1, 1u << 24));
     if (a.given("time")) s.seconds = parseDuration("time", a.text("time"));

@@ -43,12 +43,6 @@ double samplesOf(const Film& film) {
     return sum / double(r.area());
 }
 
-double meanLuminance(const judge::Picture& p) {
-    double sum = 0;
-    for (std::size_t i = 0; i < p.rgb.size(); i += 3) sum += luminance(Rgb<double>(p.rgb[i], p.rgb[i + 1], p.rgb[i + 2]));
-    return sum / double(p.pixels());
-}
-
 // The next number of samples to look at: powers of two; on the way to a noise, no further than the square root law promises.
 uint32_t nextLook(const Film& film, double noise) {
     const uint32_t done = film.done(), doubled = done == 0 ? 1 : done > 1u << 29 ? 1u << 30 : 2 * done;

@@ -67,12 +67,6 @@ double meanOf(const ReferenceSums& sums) {
     return sums.luminance().evidence(none).image[0].mean;
 }
 
-double meanLuminance(const judge::Picture& p) {
-    double sum = 0;
-    for (std::size_t i = 0; i < p.rgb.size(); i += 3) sum += luminance(Rgb<double>(p.rgb[i], p.rgb[i + 1], p.rgb[i + 2]));
-    return sum / double(p.pixels());
-}
-
 // Light that it shows on paths that it does not cover, or on none: the layers "rest" and "other" of howJudged's split. What the reference
 // cannot see, "left-out", is none of its approximations.
 double ownLight(const Contestant& c) {

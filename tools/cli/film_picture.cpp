@@ -25,4 +25,10 @@ judge::Picture judgedLayer(const Film& film, int layer, std::string name) {
     return pictureBy(film, std::move(name), [&](Pixel p) { return film.mean(p, layer); });
 }
 
+double meanLuminance(const judge::Picture& p) {
+    double sum = 0;
+    for (std::size_t i = 0; i < p.rgb.size(); i += 3) sum += luminance(Rgb<double>(p.rgb[i], p.rgb[i + 1], p.rgb[i + 2]));
+    return sum / double(p.pixels());
+}
+
 } // namespace chiaro::cli

@@ -9,5 +9,6 @@ namespace chiaro::cli {
 judge::Picture judgedPicture(const Film&, std::string name);
 // One layer of the film alone.
 judge::Picture judgedLayer(const Film&, int layer, std::string name);
+double meanLuminance(const judge::Picture&);
 
 } // namespace chiaro::cli

@@ -204,30 +204,32 @@ constexpr std::array<OptionRow, N + M> joined(const std::array<OptionRow, N>& a,
     std::copy(b.begin(), b.end(), std::copy(a.begin(), a.end(), all.begin()));
     return all;
 }
-constexpr auto agreeTable = joined(agreeRows, std::to_array<OptionRow>({renderRow("max-depth"),
-                                                                        renderRow("paths"),
-                                                                        renderRow("crop"),
-                                                                        renderRow("sampler"),
-                                                                        renderRow("filter"),
-                                                                        renderRow("seed"),
-                                                                        renderRow("threads"),
-                                                                        isaRow,
-                                                                        renderRow("camera"),
-                                                                        renderRow("aperture"),
-                                                                        renderRow("focus"),
-                                                                        renderRow("blades"),
-                                                                        envRow,
-                                                                        envRotateRow,
-                                                                        envScaleRow,
-                                                                        missingTextureRow,
-                                                                        frameTimeRow,
-                                                                        shutterRow,
-                                                                        animationRow,
-                                                                        renderRow("config"),
-                                                                        strictRow,
-                                                                        renderRow("progress"),
-                                                                        renderRow("quiet"),
-                                                                        renderRow("verbose")}));
+// What `agree` and `compare` take over from `render`.
+constexpr auto sharedRows = std::to_array<OptionRow>({renderRow("max-depth"),
+                                                      renderRow("paths"),
+                                                      renderRow("crop"),
+                                                      renderRow("sampler"),
+                                                      renderRow("filter"),
+                                                      renderRow("seed"),
+                                                      renderRow("threads"),
+                                                      isaRow,
+                                                      renderRow("camera"),
+                                                      renderRow("aperture"),
+                                                      renderRow("focus"),
+                                                      renderRow("blades"),
+                                                      envRow,
+                                                      envRotateRow,
+                                                      envScaleRow,
+                                                      missingTextureRow,
+                                                      frameTimeRow,
+                                                      shutterRow,
+                                                      animationRow,
+                                                      renderRow("config"),
+                                                      strictRow,
+                                                      renderRow("progress"),
+                                                      renderRow("quiet"),
+                                                      renderRow("verbose")});
+constexpr auto agreeTable = joined(agreeRows, sharedRows);
 
 // Every option of `render` on which the value of a sample depends, so that the same words ask for the same sample.
 constexpr bool ofSample(const OptionRow& o) { return o.sample && o.name != "integrator"; }
@@ -239,34 +241,9 @@ constexpr auto sampleRows = [] {
 constexpr auto traceTable = joined(
     traceRows, joined(sampleRows, std::to_array<OptionRow>({renderRow("threads"), renderRow("config"), strictRow, renderRow("quiet")})));
 
-constexpr auto compareTable = joined(compareRows, std::to_array<OptionRow>({renderRow("max-depth"),
-                                                                            renderRow("paths"),
-                                                                            renderRow("size"),
-                                                                            renderRow("crop"),
-                                                                            renderRow("sampler"),
-                                                                            renderRow("filter"),
-                                                                            renderRow("seed"),
-                                                                            renderRow("threads"),
-                                                                            isaRow,
-                                                                            renderRow("camera"),
-                                                                            renderRow("aperture"),
-                                                                            renderRow("focus"),
-                                                                            renderRow("blades"),
-                                                                            envRow,
-                                                                            envRotateRow,
-                                                                            envScaleRow,
-                                                                            missingTextureRow,
-                                                                            frameTimeRow,
-                                                                            shutterRow,
-                                                                            animationRow,
-                                                                            renderRow("exposure"),
-                                                                            renderRow("view"),
-                                                                            renderRow("ocio"),
-                                                                            renderRow("config"),
-                                                                            strictRow,
-                                                                            renderRow("progress"),
-                                                                            renderRow("quiet"),
-                                                                            renderRow("verbose")}));
+constexpr auto compareTable =
+    joined(compareRows,
+           joined(std::to_array<OptionRow>({renderRow("size"), renderRow("exposure"), renderRow("view"), renderRow("ocio")}), sharedRows));
 
 constexpr auto table = std::to_array<Command>({
     {"render", "SCENE", "one integrator, EXR + PNG", renderTable, runRender, 1, 1},

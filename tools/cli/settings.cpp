@@ -73,6 +73,20 @@ Size sizeOf(const RenderSettings& settings, const LoadedScene& loaded, const Cam
 
 } // namespace
 
+void readFrame(const Arguments& a, RenderSettings& s) {
+    if (a.given("max-depth")) s.paths.maxDepth = uint32_t(parseWhole("max-depth", a.text("max-depth"), 0, unlimitedDepth - 1));
+    s.paths.paths = a.text("paths");
+    if (findOption(*a.command, "split")) s.paths.split = a.text("split");
+    s.classes = PathClasses::make(s.paths);
+    s.size = a.text("size");
+    if (!s.size.empty()) parseSize("size", s.size);
+    if (a.given("threads")) s.threads = unsigned(parseWhole("threads", a.text("threads"), 1, 4096));
+    s.sampler = SamplerKind(parseChoice("sampler", a.text("sampler"), {"sobol", "independent"}));
+    s.filter = FilterKind(parseChoice("filter", a.text("filter"), {"box", "gauss", "blackman-harris"}));
+    s.camera = a.text("camera");
+    s.lens = readLens(a);
+}
+
 RenderSettings readSettings(const Arguments& a) {
     RenderSettings s;
     s.arguments = &a;
@@ -84,22 +98,12 @@ RenderSettings readSettings(const Arguments& a) {
     if (const uint32_t pattern = patternSamples(s.integrator); pattern > 0 && !a.given("spp")) s.budget.spp = pattern;
     // A time alone is the budget; the default number of samples would end it early.
     if (a.given("time") && !a.given("spp")) s.budget.spp = 1u << 31;
-    if (a.given("max-depth")) s.paths.maxDepth = uint32_t(parseWhole("max-depth", a.text("max-depth"), 0, unlimitedDepth - 1));
-    s.paths.paths = a.text("paths");
-    s.paths.split = a.text("split");
-    s.classes = PathClasses::make(s.paths);
-    s.size = a.text("size");
-    if (!s.size.empty()) parseSize("size", s.size);
+    readFrame(a, s);
     s.crop = a.text("crop");
     s.pixel = a.text("pixel");
     if (a.given("sample") && s.pixel.empty()) throw Error(Exit::usage, "--sample says which sample --pixel replays; add --pixel X,Y");
     s.sample = uint32_t(parseWhole("sample", a.text("sample"), 0, 0xffffffffu));
     s.seed = parseWhole("seed", a.text("seed"), 0, ~uint64_t(0));
-    if (a.given("threads")) s.threads = unsigned(parseWhole("threads", a.text("threads"), 1, 4096));
-    s.sampler = SamplerKind(parseChoice("sampler", a.text("sampler"), {"sobol", "independent"}));
-    s.filter = FilterKind(parseChoice("filter", a.text("filter"), {"box", "gauss", "blackman-harris"}));
-    s.camera = a.text("camera");
-    s.lens = readLens(a);
     if (a.text("exposure") != "auto") s.exposure = parseReal("exposure", a.text("exposure"), -100, 100);
     s.view = a.text("view");
     s.ocio = a.text("ocio");

@@ -39,6 +39,8 @@ struct RenderSettings {
     ProgressMode progress = ProgressMode::automatic;
 };
 RenderSettings readSettings(const Arguments&);
+// What every command that renders reads alike: depth, paths, size, threads, sampler, filter, camera, lens.
+void readFrame(const Arguments&, RenderSettings&);
 
 // The files that the patterns name for so many samples.
 std::vector<std::filesystem::path> outputFiles(const RenderSettings&, uint32_t spp);
