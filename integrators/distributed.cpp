@@ -134,7 +134,7 @@ void Tree::light(const Vertex& v, uint32_t lobeSamples, Sampler& sampler) noexce
     const ShadowCount rays = addDirectSplit(job_, v.at, v.bsdf, b.state, b.throughput, how, sampler, out_);
     if (rays.cast > 0) out_.traced(0, v.next.depth);
     if (job_.prepass)
-        job_.prepass->addIndirect(job_.classes, v.at, b.state, b.throughput, out_);
+        job_.prepass->addIndirect(job_.classes, b.hit, v.at, v.bsdf, b.state, b.throughput, out_);
     else if (plan_.ambient > 0)
         addFound(out_, otherLayer, b.throughput * v.bsdf.diffuseAlbedo() * plan_.ambient);
 }
@@ -293,10 +293,10 @@ Traits traits(const Options& o) {
                                      : "L (D|G)? S* E";
     t.misses = "Ld S+ G .* E"; // a delta light is found by sampling it or not at all
     t.unbiased = o.boolean("shadows") && o.real("ambient") == 0;
-    t.usesPrepass = true;
+    t.field = gloss && translucency ? "(G|S)* E" : gloss ? "(GR|S)* E" : translucency ? "(GT|S)* E" : "S* E";
     if (o.text("show") == "shadow") {
-        t.lightTransport = t.usesPrepass = false;
-        t.covers = t.misses = "";
+        t.lightTransport = false;
+        t.covers = t.misses = t.field = "";
     }
     return t;
 }

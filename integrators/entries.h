@@ -5,6 +5,7 @@
 namespace chiaro {
 
 extern const IntegratorEntry pathEntry, raycastEntry, normalsEntry, depthEntry, albedoEntry, uvEntry, distributedEntry, aoEntry,
-    whittedEntry, lightEntry;
+    whittedEntry, lightEntry, photonEntry, sppmEntry, radiosityEntry;
+extern const PrepassEntry photonPrepass, radiosityPrepass;
 
 } // namespace chiaro

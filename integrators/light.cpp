@@ -2,9 +2,8 @@
 // Backward Ray Tracing, 1986; Dutre, Lafortune, Willems 1993). A particle of flux F adds F f |cos| We to the pixels about the raster
 // position, We the importance that the lens emits towards the point (Camera::importance). Emission seen directly is looked up along camera
 // rays. connect=off is the textbooks' forward ray tracing: nothing is aimed, and only what goes through the opening of the lens is counted.
-#include "core/render/path_log.h"
 #include "integrators/entries.h"
-#include "integrators/transport.h"
+#include "integrators/light_walk.h"
 #include <fmt/format.h>
 
 namespace chiaro {
@@ -65,6 +64,24 @@ public:
 private:
     void shoot(const Job&, uint32_t iteration, Film&) const;
     void follow(const Job&, uint64_t number, Receiver&) const noexcept;
+    struct Aiming { // a shadow ray to the lens from every vertex
+        const LightTracing& light;
+        const Job& job;
+        Receiver& to;
+        Onward arrive(const Arrival& a, const Bsdf& bsdf, Sampler own) const noexcept {
+            if (bsdf.smooth()) light.aim(job, a.at, bsdf, a.state, a.flux, own.get2D(), to);
+            return Onward::any;
+        }
+    };
+    struct Unaimed { // what goes through the lens by itself
+        const LightTracing& light;
+        const Job& job;
+        Receiver& to;
+        void flight(const Flight& f) const noexcept {
+            if (f.visible) light.land(job, f.ray, f.from, f.distance, f.state, f.flux, to);
+        }
+        Onward arrive(const Arrival&, const Bsdf&, const Sampler&) const noexcept { return Onward::any; }
+    };
     void aim(const Job&, const SurfacePoint&, const Bsdf&, PathState, const Spectrum& flux, Point2 lens, Receiver&) const noexcept;
     void land(const Job&, const Ray&, const SurfacePoint* from, float distance, PathState, const Spectrum& flux, Receiver&) const noexcept;
     bool reaches(const Job&, Point2 raster) const noexcept;
@@ -135,8 +152,8 @@ void LightTracing::shoot(const Job& job, uint32_t iteration, Film& film) const {
                         "the scene and the options of this render",
                         broken.load(), broken.load()));
     if (!connect_ && iteration == 0)
-        job.notes.warn(fmt::format("light:connect=off: of the first {} light paths {} went through the lens onto the picture ({:.2g} %)",
-                                   paths, landed.load(), 100 * double(landed.load()) / double(paths)));
+        job.notes.tell("light", fmt::format("{} of the first {} light paths landed: they went through the lens onto the picture ({:.2g} %)",
+                                            landed.load(), paths, 100 * double(landed.load()) / double(paths)));
 }
 
 void LightTracing::tellPath(const Job& job, uint64_t number, PathLog& log) const {
@@ -145,57 +162,17 @@ void LightTracing::tellPath(const Job& job, uint64_t number, PathLog& log) const
 }
 
 void LightTracing::follow(const Job& job, uint64_t number, Receiver& to) const noexcept {
-    const Scene& scene = job.scene;
-    const PathClasses& classes = job.classes;
     Sampler sampler(job.seed, job.sampler, Stream::light, number >> 32, uint32_t(number));
-    const PickAndPoint uFrom = sampler.get3D(), uTowards = sampler.get3D();
-    const float time = job.shutter.open + sampler.get1D() * (job.shutter.close - job.shutter.open);
-    const std::optional<LightEmission> emission = scene.lights().emit(uFrom, uTowards, time);
+    const Departure start = departure(job, sampler);
+    const std::optional<LightEmission> emission = job.scene.lights().emit(start.from, start.towards, start.time);
     if (!emission) return;
-    PathState state = classes.light(emission->kind);
-    Spectrum flux = emission->flux * to.share, throughput(1); // throughput: of the events so far, for the roulette
-    Ray ray = emission->ray;
-    Wavelengths lambda;
-    SurfacePoint at, previous;
-    bool visible = emission->kind != LightKind::delta; // a light without extent cannot be seen itself, nor in mirrors
-    if (to.log) to.log->arrive(PathLog::Kind::emission, ray.o, 0, flux).light = emission->light;
-    for (uint32_t depth = 0; state != 0; ++depth) {
-        const SurfacePoint* from = depth > 0 ? &previous : nullptr;
-        const Hit hit = scene.intersect(ray);
-        if (!connect_ && visible) land(job, ray, from, hit ? hit.t : ray.tfar, state, flux, to);
-        if (!hit) {
-            if (to.log) logSky(*to.log, scene, ray, flux);
-            return;
-        }
-        at = scene.point(hit, ray);
-        flux *= segmentTransmittance(scene, from, ray.d, &at, hit.t);
-        if (to.log) logSurface(*to.log, at, at.ns, hit.t, flux);
-        if (!classes.continues(state)) return;
-        const Bsdf bsdf = shade(scene, at, -ray.d, {}, lambda, Transport::importance);
-        const Point2 lens = sampler.get2D();
-        if (connect_ && bsdf.smooth()) aim(job, at, bsdf, state, flux, lens, to);
-        const PickAndPoint u = sampler.get3D();
-        const auto sample = bsdf.sample(min(float(u.pick), oneMinusEpsilon), u.u);
-        if (!sample) return;
-        const Turn next = turn(classes, state, bsdf, *sample, sampler);
-        if (!next.state || black(next.weight)) return;
-        throughput *= next.weight;
-        float boost = 1;
-        if (depth >= rouletteDepth_) {
-            const float survive = min(maxComponent(throughput), 0.95f);
-            if (!(sampler.get1D() < survive)) return;
-            boost = 1 / survive;
-        } else {
-            sampler.skip(1);
-        }
-        throughput *= boost;
-        flux *= next.weight * boost;
-        state = next.state;
-        visible = visible || !sample->delta;
-        previous = at;
-        ray = at.towards(sample->wi);
-        if (to.log) to.log->scatter(next.event, next.weight * boost, sample->pdfW, sample->delta);
-    }
+    const WalkRules rules{.rouletteDepth = rouletteDepth_, .log = to.log};
+    const Spectrum flux = emission->flux * to.share;
+    const auto walk = [&](auto visitor) { walkParticle(job, *emission, flux, sampler, rules, visitor); };
+    if (connect_)
+        walk(Aiming{*this, job, to});
+    else
+        walk(Unaimed{*this, job, to});
 }
 
 // The camera sees this point through a point of its lens.

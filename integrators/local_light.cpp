@@ -1,5 +1,5 @@
 #include "integrators/local_light.h"
-#include "core/render/fault.h"
+#include "core/scene/surface_math.h"
 #include <algorithm>
 
 namespace chiaro {
@@ -20,36 +20,29 @@ LocalLights::LocalLights(const Scene& scene, const Attenuation& attenuation)
     : scene_(&scene), lamps_(scene.lights().lamps()), attenuation_(attenuation), margin_(64 * 0x1p-23f * scene.radius()) {
     moves_ = scene.shutter().close > scene.shutter().open;
     std::erase_if(lamps_, [](const Lamp& l) { return black(l.intensity); });
+    for (const Lamp& l : lamps_)
+        meshes_.push_back({l.centre, l.normal, flat(l), l.doubleSided, fault(Fault::lampShadowsItself) ? -margin_ : margin_, attenuation_});
 }
 
 std::optional<LightSample> LocalLights::towards(uint32_t i, const SurfacePoint& from) const noexcept {
-    const Lamp& lamp = lamps_[i];
-    return lamp.kind == LightKind::area ? fromMesh(lamp, from) : fromPunctual(lamp, from);
+    return lamps_[i].kind == LightKind::area ? fromMesh(i, from) : fromPunctual(lamps_[i], from);
 }
 
-std::optional<LightSample> LocalLights::fromMesh(const Lamp& lamp, const SurfacePoint& from) const noexcept {
-    const Vec3 way = lamp.centre - from.p;
-    const float distanceSquared = lengthSquared(way), distance = std::sqrt(distanceSquared);
-    if (!(distance > 0)) return {};
+std::optional<LightSample> LocalLights::fromMesh(uint32_t i, const SurfacePoint& from) const noexcept {
+    const MeshLamp& m = meshes_[i];
+    const float reach = reachOf(from.ng, from.error);
+    const LampWay w = attenuation_.physical
+                          ? m.flat ? m.way<true, true>(from.p, from.ng, reach) : m.way<true, false>(from.p, from.ng, reach)
+                      : m.flat ? m.way<false, true>(from.p, from.ng, reach)
+                               : m.way<false, false>(from.p, from.ng, reach);
+    if (!w.arrives) return {};
     std::optional<LightSample> answer(std::in_place);
-    LightSample& s = *answer;
-    s.wi = way * (1 / distance);
-    float factor = attenuation_.physical ? 1 / distanceSquared : attenuation_.at(distance);
-    if (flat(lamp)) {
-        const float cosine = -dot(s.wi, lamp.normal);
-        factor *= lamp.doubleSided ? std::fabs(cosine) : cosine;
-        if (!(factor > 0)) return {};
-    }
-    s.radiance = lamp.intensity * factor;
-    s.pdfW = 1;
-    s.delta = true;
-    s.light = lamp.first;
-    // The end lies a rounding bound before the lamp, the start one before the surface.
-    const Vec3 facing = flat(lamp) && dot(s.wi, lamp.normal) > 0 ? -lamp.normal : flat(lamp) ? lamp.normal : -s.wi;
-    const Vec3 start = from.offset(way), end = lamp.centre + facing * (fault(Fault::lampShadowsItself) ? -margin_ : margin_);
-    const Vec3 d = end - start;
-    const float left = length(d);
-    s.shadow = {start, 0, left > 0 ? d * (1 / left) : s.wi, left, from.time};
+    answer->wi = w.wi;
+    answer->radiance = lamps_[i].intensity * w.factor;
+    answer->pdfW = 1;
+    answer->delta = true;
+    answer->light = lamps_[i].first;
+    answer->shadow = {w.start, 0, w.d, w.left, from.time};
     return answer;
 }
 
@@ -66,9 +59,16 @@ bool LocalLights::own(uint32_t i, const Hit& hit) const noexcept {
     return scene_->attributes(hit).light - lamps_[i].first < lamps_[i].count;
 }
 
+bool LocalLights::onlyAtItsEnd(uint32_t i) const noexcept { return !bulb(lamps_[i]) && !(moves_ && lamps_[i].kind == LightKind::area); }
+
+void LocalLights::occluded(uint32_t i, const RayPacket& rays, std::span<uint8_t> answers) const noexcept {
+    if (onlyAtItsEnd(i)) return scene_->occluded(rays, answers);
+    for (std::size_t k = 0; k < answers.size(); ++k)
+        if (rays.tfar[k] >= 0) answers[k] = hidden(i, rays.ray(k));
+}
+
 void LocalLights::occluded(uint32_t i, std::span<const Ray> rays, std::span<uint8_t> answers) const noexcept {
-    const bool onlyAtItsEnd = !bulb(lamps_[i]) && !(moves_ && lamps_[i].kind == LightKind::area);
-    if (onlyAtItsEnd) return scene_->occluded(rays, answers);
+    if (onlyAtItsEnd(i)) return scene_->occluded(rays, answers);
     for (std::size_t k = 0; k < rays.size(); ++k) answers[k] = hidden(i, rays[k]);
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 #include "core/render/integrator.h"
 #include "core/render/options.h"
+#include "core/render/prepass.h"
 
 namespace chiaro {
 
@@ -10,8 +11,9 @@ struct Traits {
     bool lightTransport = true; // makes a picture of light; false: a debug view
     bool unbiased = true;
     bool splats = false;
-    bool deterministic = false;          // the same picture for every seed and any number of samples at the same positions
-    bool usesPrepass = false;            // takes its indirect term from a pre-pass where there is one
+    bool deterministic = false; // the same picture for every seed and any number of samples at the same positions
+    std::string field;          // how it shows the diffuse field of a pre-pass, "S* E": the events between that surface and the eye;
+                                // empty: it takes none
     std::string covers = "L (D|G|S)* E"; // the light paths it sees, in the grammar of --paths
     std::string misses;                  // those it cannot find by construction; empty: none
     std::string approximates;            // those it shows, but not as they are (an area light as a point); may overlap covers; empty: none
@@ -28,6 +30,22 @@ struct IntegratorEntry {
     std::unique_ptr<Integrator> (*make)(const Options&);
 };
 std::span<const IntegratorEntry> integrators();
+// A pre-pass: its field is seen by the integrators whose traits name one.
+struct PrepassEntry {
+    std::string_view name, summary;
+    std::span<const OptionSpec> options;
+    std::string (*field)(const Options&); // the light paths in it, up to the diffuse surface that shows them: "L (D|G|S)+ D"
+    std::unique_ptr<Prepass> (*make)(const Options&);
+};
+std::span<const PrepassEntry> prepasses();
+struct PrepassChoice {
+    const PrepassEntry* entry = nullptr;
+    Options options;
+};
+PrepassChoice choosePrepass(std::string_view text); // as chooseIntegrator
+// All light paths of an integrator with a pre-pass (null: without): what it covers by itself, and the field as it shows it.
+std::string coveredWith(const Traits&, const PrepassChoice*);
+
 // "name" or "name:key=value,...". Throws Error(Exit::usage) with the list and the nearest name.
 struct IntegratorChoice {
     const IntegratorEntry* entry = nullptr;

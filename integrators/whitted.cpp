@@ -34,8 +34,12 @@ public:
         const auto materials = job.scene.materials();
         shared_.settings = &settings_;
         shared_.lamps = LocalLights(job.scene, settings_.attenuation);
-        shared_.filters = settings_.shadows == WhittedSettings::Shadows::filtered && anyTransparent(job.scene);
+        const bool filters = settings_.shadows == WhittedSettings::Shadows::filtered;
+        shared_.blends = filters && anyBlended(job.scene);
+        shared_.filters = shared_.blends || (filters && anyTransparent(job.scene));
         shared_.absorbs = std::any_of(materials.begin(), materials.end(), absorbs);
+        shared_.plain =
+            shared_.filters || shared_.absorbs || job.prepass ? std::vector<PlainMaterial>() : plainMaterials(job.scene, settings_);
         adaptive_ = {};
     }
     void radiance(const Job& job, PathStart& start, Outputs& out) const noexcept override { radianceWide(job, {&start, 1}, {&out, 1}); }

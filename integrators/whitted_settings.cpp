@@ -70,10 +70,10 @@ WhittedSettings::WhittedSettings(const Options& o)
 // Every variant bends some class of light paths; only those that it leaves alone are covered.
 Traits WhittedSettings::traits() const {
     Traits t;
-    t.usesPrepass = true;
     const bool sampled = area == Area::sample, fades = attenuation.physical && shadows != Shadows::none;
     const bool refractive = transparency == Transparency::refractive;
     const bool own = refractive && fresnel == Fresnel::exact; // mirrors and refraction are the materials' own
+    t.field = own ? "S* E" : "E";
     t.deterministic = !sampled && (antiAliasing == AntiAliasing::filter || antiAliasing == AntiAliasing::centre ||
                                    antiAliasing == AntiAliasing::grid || antiAliasing == AntiAliasing::adaptive);
     if (antiAliasing == AntiAliasing::filter) t.deterministic = false; // the filter's positions are random

@@ -128,4 +128,9 @@ Passage shadowPassage(const Scene& scene, const SurfacePoint& at) noexcept {
 
 bool anyTransparent(const Scene& scene) noexcept { return std::any_of(scene.materials().begin(), scene.materials().end(), transparent); }
 
+bool anyBlended(const Scene& scene) noexcept {
+    return std::any_of(scene.materials().begin(), scene.materials().end(),
+                       [](const MaterialDesc& m) { return m.alphaMode == AlphaMode::blend; });
+}
+
 } // namespace chiaro

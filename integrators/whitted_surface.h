@@ -50,7 +50,8 @@ struct Passage {
     Event event = Event::ST;
 };
 Passage shadowPassage(const Scene&, const SurfacePoint&) noexcept;
-// Is there anything in the scene that lets shadow rays pass?
+// Is there anything in the scene that lets shadow rays pass by its transmission, or by its alpha?
 bool anyTransparent(const Scene&) noexcept;
+bool anyBlended(const Scene&) noexcept;
 
 } // namespace chiaro

@@ -28,11 +28,13 @@ struct WhittedTrees::Lane {
         ::new (nodes() + size++) Node(n);
         return true;
     }
-    const Node& pop() noexcept { return nodes()[--size]; }
+    const Node& top() noexcept { return nodes()[size - 1]; }
+    void pop() noexcept { --size; }
 };
 
 WhittedTrees::WhittedTrees(const WhittedScene& shared, const Job& job, std::span<PathStart> starts, std::span<Outputs> outputs) noexcept
-    : shared_(shared), settings_(*shared.settings), job_(job), starts_(starts), outputs_(outputs) {
+    : shared_(shared), settings_(*shared.settings), job_(job), starts_(starts), outputs_(outputs),
+      plain_(settings_, shared.lamps, shared.plain, job, outputs) {
     std::fill_n(nodes_, starts.size(), 1u);
 }
 
@@ -44,21 +46,28 @@ uint32_t WhittedTrees::run() noexcept {
     Visit visits[width];
     for (std::size_t begin = 0; begin < starts_.size(); begin += width) {
         const std::size_t n = std::min(width, starts_.size() - begin);
-        for (std::size_t k = 0; k < n; ++k) {
-            const PathStart& start = starts_[begin + k];
-            visits[k].node = {};
-            visits[k].node.ray = start.ray;
-            visits[k].node.lambda = start.lambda;
-            visits[k].node.state = job_.classes.eye();
-            visits[k].hit = start.first;
-            visits[k].tree = uint32_t(begin + k);
+        std::size_t others = 0; // those that are no plain surface
+        for (std::size_t k = begin; k < begin + n; ++k) {
+            const PathStart& start = starts_[k];
+            if (takePlain(start.first, start.ray, uint32_t(k), 0, job_.classes.eye(), Spectrum(1), false)) continue;
+            Visit& v = visits[others++];
+            v.node = {};
+            v.node.ray = start.ray;
+            v.node.lambda = start.lambda;
+            v.node.state = job_.classes.eye();
+            v.hit = start.first;
+            v.tree = uint32_t(k);
         }
-        expand({visits, n});
-        for (std::size_t k = 0; k < n; ++k) {
-            first[begin + k] = count;
-            for (int c = visits[k].children - 1; c >= 0; --c) ::new (waiting + count++) Node(visits[k].child[c]);
+        expand({visits, others});
+        for (std::size_t k = begin, v = 0; k < begin + n; ++k) {
+            first[k] = count;
+            if (v == others || visits[v].tree != k) continue;
+            for (int c = visits[v].children - 1; c >= 0; --c) ::new (waiting + count++) Node(visits[v].child[c]);
+            ++v;
         }
+        if (plain_.full()) plain_.answer();
     }
+    plain_.answer();
     first[starts_.size()] = count;
     if (count == 0) return cut_;
 
@@ -75,24 +84,43 @@ uint32_t WhittedTrees::run() noexcept {
                 for (uint32_t i = first[next]; i < first[next + 1]; ++i) lane.push(waiting[i]);
             }
             if (lane.size == 0) continue;
-            visits[n].node = lane.pop();
-            visits[n].tree = lane.tree;
-            rays[n] = visits[n].node.ray;
+            rays[n] = lane.top().ray;
             of[n++] = &lane;
         }
         if (n == 0) return cut_;
         job_.scene.intersect({rays, n}, {hits, n}, false);
+        std::size_t others = 0;
         for (std::size_t k = 0; k < n; ++k) {
-            visits[k].hit = hits[k];
-            outputs_[visits[k].tree].traced(1, visits[k].node.depth);
+            const Node& node = of[k]->top();
+            outputs_[of[k]->tree].traced(1, node.depth);
+            if (!takePlain(hits[k], node.ray, of[k]->tree, node.depth, node.state, node.throughput, node.glossy)) {
+                Visit& v = visits[others];
+                v.node = node;
+                v.hit = hits[k];
+                v.tree = of[k]->tree;
+                of[others++] = of[k];
+            }
+            of[k]->pop();
         }
-        expand({visits, n});
-        for (std::size_t k = 0; k < n; ++k)
+        plain_.answer();
+        expand({visits, others});
+        for (std::size_t k = 0; k < others; ++k)
             for (int c = visits[k].children - 1; c >= 0; --c) cut_ += of[k]->push(visits[k].child[c]) ? 0 : 1;
     }
 }
 
+// What is too simple for a visit: nothing was hit, or a plain surface. Somebody who wants to see the path gets the general way.
+bool WhittedTrees::takePlain(const Hit& hit, const Ray& ray, uint32_t tree, uint32_t depth, PathState state, const Spectrum& throughput,
+                             bool glossy) noexcept {
+    Outputs& out = outputs_[tree];
+    if (out.log) return false;
+    if (hit) return plain_.take(hit, ray, tree, depth, state, throughput);
+    sky(ray, state, throughput, depth, glossy, out);
+    return true;
+}
+
 void WhittedTrees::expand(std::span<Visit> visits) noexcept {
+    if (visits.empty()) return;
     for (Visit& v : visits) arrive(v);
     lamps(visits);
 }
@@ -119,11 +147,20 @@ void WhittedTrees::arrive(Visit& v) noexcept {
     if (!goesOn) return;
     if (out.log) (*out.log)[out.log->here].normal = bsdf.normal();
     if (job_.prepass)
-        job_.prepass->addIndirect(job_.classes, v.at, v.node.state, v.node.throughput, out);
+        job_.prepass->addIndirect(job_.classes, v.hit, v.at, bsdf, v.node.state, v.node.throughput, out);
     else if (!black(settings_.ambient))
         addFound(out, otherLayer, v.node.throughput * settings_.ambient * surface.diffuseAlbedo());
     v.lit = bsdf.smooth();
     branch(v, out);
+}
+
+void WhittedTrees::sky(const Ray& ray, PathState state, const Spectrum& throughput, uint32_t depth, bool glossy,
+                       Outputs& out) const noexcept {
+    const LightHit sky = job_.scene.lights().miss(ray, nullptr);
+    // The lobe that a glossy ray stands for has had its lights: the sky is one of them where all lights are sampled.
+    if (sky && !(glossy && settings_.area == WhittedSettings::Area::sample))
+        addFound(out, job_.classes.reached(state, sky.kind), throughput * sky.radiance);
+    if (depth == 0) out.aov(Aov::albedo, {clamp01(sky.radiance[0]), clamp01(sky.radiance[1]), clamp01(sky.radiance[2])});
 }
 
 // What the ray has come to: the sky, or a surface that may shine. False: nothing follows.
@@ -131,12 +168,8 @@ bool WhittedTrees::found(Visit& v, Outputs& out) noexcept {
     Node& node = v.node;
     const Scene& scene = job_.scene;
     if (!v.hit) {
-        const LightHit sky = scene.lights().miss(node.ray, nullptr);
         if (out.log) logSky(*out.log, scene, node.ray, node.throughput);
-        // The lobe that a glossy ray stands for has had its lights: the sky is one of them where all lights are sampled.
-        if (sky && !(node.glossy && settings_.area == WhittedSettings::Area::sample))
-            addFound(out, job_.classes.reached(node.state, sky.kind), node.throughput * sky.radiance);
-        if (node.depth == 0) out.aov(Aov::albedo, {clamp01(sky.radiance[0]), clamp01(sky.radiance[1]), clamp01(sky.radiance[2])});
+        sky(node.ray, node.state, node.throughput, node.depth, node.glossy, out);
         return false;
     }
     v.at = scene.point(v.hit, node.ray);
@@ -232,6 +265,7 @@ void WhittedTrees::settle(std::span<Pending> pending, uint32_t lamp) noexcept {
             job_.scene.occluded({rays, pending.size()}, {blocked, pending.size()});
         else
             shared_.lamps.occluded(lamp, {rays, pending.size()}, {blocked, pending.size()});
+        if (shared_.blends) std::fill_n(blocked, pending.size(), uint8_t(1)); // those that pass do so by lot: to be walked
     }
     for (std::size_t k = 0; k < pending.size(); ++k) {
         Pending& p = pending[k];
@@ -254,31 +288,39 @@ void WhittedTrees::settle(std::span<Pending> pending, uint32_t lamp) noexcept {
     }
 }
 
-// What the transparent surfaces on the straight way to the lamp leave of its light. Each is one more event of the path: T.
+// What the surfaces on the straight way to the lamp leave of its light. Each transparent one is one more event of the path: T. One that
+// only covers a share of itself (alpha blend) takes that share and is no event.
 Spectrum WhittedTrees::passed(Pending& p, uint32_t lamp, Outputs& out) const noexcept {
     constexpr int mostSurfaces = 64;
     const Scene& scene = job_.scene;
     Ray ray = p.light.shadow;
-    SurfacePoint from = p.visit->at;
+    SurfacePoint from = p.visit->at; // the last event
+    float way = 0;                   // since
     Spectrum factor(1);
     for (int i = 0; i < mostSurfaces; ++i) {
-        Hit hit;
-        scene.intersect({&ray, 1}, {&hit, 1}, false);
+        const Hit hit = scene.firstSurface(ray);
         out.traced(1, 0);
-        if (!hit) return factor * segmentTransmittance(scene, &from, ray.d, nullptr, ray.tfar);
+        if (!hit) return factor * segmentTransmittance(scene, &from, ray.d, nullptr, way + ray.tfar);
         const SurfacePoint at = scene.point(hit, ray);
+        const float left = ray.tfar - hit.t;
+        way += hit.t;
         if (lamp == sampled || !shared_.lamps.own(lamp, hit)) {
             const Passage passage = shadowPassage(scene, at);
-            factor *= passage.factor * segmentTransmittance(scene, &from, ray.d, &at, hit.t);
-            bool wanted = false;
-            for (int k = 0; k < p.value.n; ++k) {
-                p.state[k] = job_.classes.eye(p.state[k], passage.event);
-                wanted = wanted || p.state[k];
+            const float opacity = scene.opacity(at);
+            factor *= passage.factor * opacity + Spectrum(1 - opacity);
+            if (black(factor)) return factor;
+            if (!black(passage.factor)) {
+                factor *= segmentTransmittance(scene, &from, ray.d, &at, way);
+                from = at;
+                way = 0;
+                bool wanted = false;
+                for (int k = 0; k < p.value.n; ++k) {
+                    p.state[k] = job_.classes.eye(p.state[k], passage.event);
+                    wanted = wanted || p.state[k];
+                }
+                if (!wanted) return Spectrum(0);
             }
-            if (!wanted || black(factor)) return Spectrum(0);
         }
-        const float left = ray.tfar - hit.t;
-        from = at;
         ray = at.towards(ray.d);
         ray.tfar = max(left, 0.f);
     }

@@ -5,9 +5,11 @@
 //
 // At a node (Whitted, An Improved Illumination Model for Shaded Display, 1980):
 //   L = emission + ambient rho + sum over lamps of S_l f |cos| E_l + sum over mirror and refraction of weight L(next)
-// S_l is 1, 0, or the product of what the transparent surfaces on the straight way to the lamp leave (Hall and Greenberg 1983).
+// S_l is 1, 0, or the product of what the surfaces on the straight way to the lamp leave (Hall and Greenberg 1983): transmission, 1 -
+// alpha.
 #pragma once
 #include "core/render/integrator.h"
+#include "integrators/whitted_plain.h"
 #include "integrators/whitted_surface.h"
 #include <atomic>
 
@@ -16,8 +18,10 @@ namespace chiaro {
 struct WhittedScene { // what a render's trees share
     const WhittedSettings* settings = nullptr;
     LocalLights lamps;
-    bool filters = false; // shadow rays may pass something
-    bool absorbs = false; // some solid dims what passes it
+    bool filters = false;             // shadow rays may pass something
+    bool blends = false;              // by its alpha
+    bool absorbs = false;             // some solid dims what passes it
+    std::vector<PlainMaterial> plain; // empty: every hit goes the general way
 };
 
 class WhittedTrees {
@@ -60,9 +64,11 @@ private:
     };
     struct Lane; // the nodes of one tree that wait
 
+    bool takePlain(const Hit&, const Ray&, uint32_t tree, uint32_t depth, PathState, const Spectrum& throughput, bool glossy) noexcept;
     void expand(std::span<Visit>) noexcept;
     void arrive(Visit&) noexcept;
     bool found(Visit&, Outputs&) noexcept;
+    void sky(const Ray&, PathState, const Spectrum& throughput, uint32_t depth, bool glossy, Outputs&) const noexcept;
     void branch(Visit&, Outputs&) noexcept;
     void lamps(std::span<Visit>) noexcept;
     bool ask(Visit&, const LightSample&, Pending&) const noexcept;
@@ -75,6 +81,7 @@ private:
     const Job& job_;
     std::span<PathStart> starts_;
     std::span<Outputs> outputs_;
+    WhittedPlain plain_;
     uint32_t nodes_[mostTrees];
     Pending pending_[width];
     uint32_t cut_ = 0;

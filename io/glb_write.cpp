@@ -38,7 +38,7 @@ public:
                                                {"extensions", {{"KHR_materials_unlit", Json::object()}}}}});
             root_["buffers"] = Json::array({{{"byteLength", binary_.size()}}});
         }
-        return container();
+        return glbContainer(root_.dump(-1, ' ', false, Json::error_handler_t::replace), binary_);
     }
 
 private:
@@ -89,32 +89,32 @@ private:
         return root_["accessors"].size() - 1;
     }
 
-    std::vector<std::byte> container() {
-        std::string json = root_.dump(-1, ' ', false, Json::error_handler_t::replace);
-        json.resize((json.size() + 3) / 4 * 4, ' ');
-        const std::size_t total = 12 + 8 + json.size() + (binary_.empty() ? 0 : 8 + binary_.size()); // the binary is whole floats
-        if (total > 0xffffffffu) throw Error(Exit::resources, "a .glb can hold 4 GB. Write less into one file.");
-        std::vector<std::byte> file;
-        file.reserve(total);
-        append(file, "glTF", 4);
-        append(file, 2);
-        append(file, uint32_t(total));
-        append(file, uint32_t(json.size()));
-        append(file, chunkJson);
-        append(file, json.data(), json.size());
-        if (binary_.empty()) return file;
-        append(file, uint32_t(binary_.size()));
-        append(file, chunkBin);
-        append(file, binary_.data(), binary_.size());
-        return file;
-    }
-
     const GlbScene& scene_;
     Json root_;
     std::vector<std::byte> binary_;
 };
 
 } // namespace
+
+std::vector<std::byte> glbContainer(std::string json, std::span<const std::byte> binary) {
+    json.resize((json.size() + 3) / 4 * 4, ' ');
+    const std::size_t padded = (binary.size() + 3) / 4 * 4, total = 12 + 8 + json.size() + (binary.empty() ? 0 : 8 + padded);
+    if (total > 0xffffffffu) throw Error(Exit::resources, "a .glb can hold 4 GB. Write less into one file.");
+    std::vector<std::byte> file;
+    file.reserve(total);
+    append(file, "glTF", 4);
+    append(file, 2);
+    append(file, uint32_t(total));
+    append(file, uint32_t(json.size()));
+    append(file, chunkJson);
+    append(file, json.data(), json.size());
+    if (binary.empty()) return file;
+    append(file, uint32_t(padded));
+    append(file, chunkBin);
+    append(file, binary.data(), binary.size());
+    file.resize(total);
+    return file;
+}
 
 std::vector<std::byte> glbBytes(const GlbScene& scene) { return Writer(scene).bytes(); }
 

@@ -6,6 +6,7 @@
 #include "core/math/vec.h"
 #include <cstddef>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,6 +32,8 @@ struct GlbScene {
     std::vector<GlbNode> nodes;
 };
 
+// JSON and binary chunk as one .glb, both padded to four bytes. Throws Error(Exit::resources) beyond the 4 GB that it can hold.
+std::vector<std::byte> glbContainer(std::string json, std::span<const std::byte> binary);
 // The bytes of the file; equal scenes give equal bytes. Names may hold anything: what is not UTF-8 is replaced. Throws
 // Error(Exit::internal) for shapes that are none (an odd number of line ends, a position that is not finite), Error(Exit::resources) beyond
 // the 4 GB that a GLB can hold.

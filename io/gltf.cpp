@@ -53,6 +53,7 @@ SceneDesc convert(const GltfFile& file, const GltfOptions& options, GltfContents
     to.images.assign(list(file, "images").size(), -1);
     for (const Bytes& buffer : file.buffers) to.bufferBytes += buffer.size();
     convertNodes(to);
+    if (found) found->origin = std::move(to.origin);
     return scene;
 }
 

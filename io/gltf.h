@@ -28,8 +28,23 @@ struct AnimationInfo {
     std::map<std::string, size_t> channels; // how many, by what they animate
     bool used = false;
 };
+// Where in the file the parts of the description come from: for those who write into a copy of it (io/gltf_write.h).
+struct GltfOrigin {
+    struct Instance {
+        std::size_t node = 0;
+        int element = -1; // of EXT_mesh_gpu_instancing
+        int mesh = -1;    // of the description
+    };
+    struct Primitive {
+        std::size_t number = 0;         // among the primitives of its mesh in the file
+        std::vector<uint32_t> vertices; // numbers there of the vertices that were kept; empty: all, in their order
+    };
+    std::vector<Instance> instances;
+    std::vector<std::vector<Primitive>> meshes;
+};
 struct GltfContents {
     std::vector<AnimationInfo> animations;
+    GltfOrigin origin;
 };
 
 // The default scene of the file (else its first one, else all root nodes). Instances, cameras and lights come in the order of the node

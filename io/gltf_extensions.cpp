@@ -13,8 +13,8 @@ const std::set<std::string> applied = {
     "KHR_lights_punctual",   "KHR_materials_emissive_strength", "KHR_materials_ior",    "KHR_materials_specular",
     "KHR_materials_unlit",   "KHR_materials_transmission",      "KHR_materials_volume", "KHR_texture_transform",
     "KHR_mesh_quantization", "EXT_mesh_gpu_instancing",         "EXT_texture_webp"};
-// Change nothing that is drawn: metadata, and how polygons were cut into triangles.
-const std::set<std::string> silent = {"KHR_xmp", "KHR_xmp_json_ld", "FB_ngon_encoding"};
+// Change nothing that is drawn: metadata, how polygons were cut into triangles, other materials to choose from.
+const std::set<std::string> silent = {"KHR_xmp", "KHR_xmp_json_ld", "FB_ngon_encoding", "KHR_materials_variants"};
 
 // The extensions that something in the file carries; what extensionsUsed announces beyond them has no effect.
 void collect(const json& value, std::set<std::string>& names) {

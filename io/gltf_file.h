@@ -89,7 +89,8 @@ struct Conversion {
     std::vector<int> meshes, materials, textures, images;
     std::vector<int> missing;  // images of the description that are stand-ins
     std::vector<double> radii; // of the description's meshes about their origins; -1: not yet known
-    bool uneven = false;       // a path was too wild for the steps that there are
+    GltfOrigin origin = {};
+    bool uneven = false; // a path was too wild for the steps that there are
     uint64_t bufferBytes = 0, verticesRead = 0, vertices = 0, indices = 0, imageBytes = 0;
 };
 void convertNodes(Conversion& to);

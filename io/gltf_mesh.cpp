@@ -184,8 +184,8 @@ template <class T> void keep(std::vector<T>& values, const std::vector<uint32_t>
     values = std::move(kept);
 }
 
-// Primitives often share one large vertex buffer, each using a part of it: keep that part.
-void dropUnusedVertices(PrimitiveDesc& p) {
+// Primitives often share one large vertex buffer, each using a part of it: keep that part. Which vertices were kept; empty: all.
+std::vector<uint32_t> dropUnusedVertices(PrimitiveDesc& p) {
     std::vector<uint32_t> fresh(p.positions.size(), 0), from;
     for (const uint32_t v : p.indices) fresh[v] = 1;
     for (size_t i = 0; i < fresh.size(); ++i)
@@ -193,7 +193,7 @@ void dropUnusedVertices(PrimitiveDesc& p) {
             fresh[i] = uint32_t(from.size());
             from.push_back(uint32_t(i));
         }
-    if (from.size() == p.positions.size()) return;
+    if (from.size() == p.positions.size()) return {};
     for (uint32_t& v : p.indices) v = fresh[v];
     keep(p.positions, from);
     keep(p.normals, from);
@@ -201,6 +201,7 @@ void dropUnusedVertices(PrimitiveDesc& p) {
     keep(p.uv[0], from);
     keep(p.uv[1], from);
     keep(p.colors, from);
+    return from;
 }
 
 void warnUnknownAttributes(const Source& source) {
@@ -225,7 +226,7 @@ void countElements(Source& source, uint64_t vertices) {
                         to.vertices + std::min(vertices, indices), to.indices, to.bufferBytes));
 }
 
-void convertPrimitive(Source& source, MeshDesc& mesh) {
+void convertPrimitive(Source& source, MeshDesc& mesh, GltfOrigin::Primitive& origin) {
     const GltfFile& file = source.file();
     if (source.primitive.mode < TINYGLTF_MODE_TRIANGLES) return file.warn("has points or lines, which are not drawn.");
     const auto position = source.primitive.attributes.find("POSITION");
@@ -241,7 +242,7 @@ void convertPrimitive(Source& source, MeshDesc& mesh) {
     p.colors = colors(source);
     warnUnknownAttributes(source);
     if (p.indices.empty()) return file.warn(fmt::format("{} has no triangle.", source.place));
-    dropUnusedVertices(p);
+    origin.vertices = dropUnusedVertices(p);
     source.to.vertices += p.positions.size();
     if (source.primitive.material >= 0) p.material = convertMaterial(source.to, source.primitive.material);
     mesh.primitives.push_back(std::move(p));
@@ -255,12 +256,16 @@ int convertMesh(Conversion& to, int mesh) {
     const tinygltf::Mesh& from = to.file.model.meshes[size_t(mesh)];
     MeshDesc desc;
     desc.name = from.name;
+    std::vector<GltfOrigin::Primitive> origin;
     for (size_t i = 0; i < from.primitives.size(); ++i) {
         Source source{to, from.primitives[i], fmt::format("/meshes/{}/primitives/{}", mesh, i)};
         if (!from.primitives[i].targets.empty()) to.file.warn("has morph targets, which are not applied.");
-        convertPrimitive(source, desc);
+        GltfOrigin::Primitive part{i, {}};
+        convertPrimitive(source, desc, part);
+        if (desc.primitives.size() > origin.size()) origin.push_back(std::move(part));
     }
     to.scene.meshes.push_back(std::move(desc));
+    to.origin.meshes.push_back(std::move(origin));
     return converted = int(to.scene.meshes.size()) - 1;
 }
 

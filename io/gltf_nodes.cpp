@@ -119,7 +119,7 @@ double radiusOf(Conversion& to, int mesh) {
     return radius;
 }
 
-void addInstance(Conversion& to, size_t index, int mesh, const Path& path, size_t steps) {
+void addInstance(Conversion& to, size_t index, int mesh, const Path& path, size_t steps, int element = -1) {
     const std::string place = fmt::format("/nodes/{}", index);
     const auto& maps = path.maps();
     if (!std::all_of(maps.begin(), maps.end(), finite))
@@ -128,6 +128,7 @@ void addInstance(Conversion& to, size_t index, int mesh, const Path& path, size_
     if (to.scene.instances.size() >= maxInstances)
         to.file.fail(place, fmt::format("brings the scene above {} instances. Split the scene.", maxInstances));
     to.scene.instances.push_back({mesh, path.opening(), to.file.model.nodes[index].name, motionAlong(path, steps)});
+    to.origin.instances.push_back({index, element, mesh});
 }
 
 // EXT_mesh_gpu_instancing: one instance for each element of its accessors, inside the node's own frame.
@@ -163,7 +164,8 @@ void addInstances(Conversion& to, size_t index, int mesh, const Path& path, cons
         radius = std::max(radius, std::hypot(t[0], t[1], t[2]) + scale * radiusOf(to, mesh));
     }
     const size_t steps = segments(to, index, path, radius);
-    for (const Affine& local : locals) addInstance(to, index, mesh, path.each([&](const Affine& m) { return m * local; }), steps);
+    for (size_t i = 0; i < locals.size(); ++i)
+        addInstance(to, index, mesh, path.each([&](const Affine& m) { return m * locals[i]; }), steps, int(i));
 }
 
 void addCamera(Conversion& to, size_t index, const Path& path) {

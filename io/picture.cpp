@@ -18,17 +18,23 @@ void setAttributes(OIIO::ImageSpec& spec, const Metadata& metadata) {
     spec.attribute("DateTime", ""); // else OpenImageIO adds the time of writing, and equal pictures differ
 }
 
-// Encoded in memory, then written by replaceFile, which knows why a disk refuses.
-void encode(const std::filesystem::path& file, const char* format, const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* pixels) {
+std::vector<unsigned char> encoded(const std::string& name, const char* format, const OIIO::ImageSpec& spec, OIIO::TypeDesc type,
+                                   const void* pixels) {
     const auto out = OIIO::ImageOutput::create(format);
     OIIO::Filesystem::IOVecOutput memory;
     const auto failed = [&] {
         return Error(Exit::internal,
-                     fmt::format("cannot encode {} ({})", file.string(), out ? out->geterror() : "no writer for " + std::string(format)));
+                     fmt::format("cannot encode {} ({})", name, out ? out->geterror() : "no writer for " + std::string(format)));
     };
     if (!out || !out->set_ioproxy(&memory)) throw failed();
     if (!out->open(fmt::format("memory.{}", format), spec) || !out->write_image(type, pixels) || !out->close()) throw failed();
-    replaceFile(file, std::as_bytes(std::span(memory.buffer())));
+    return memory.buffer();
+}
+
+// Encoded in memory, then written by replaceFile, which knows why a disk refuses.
+void encode(const std::filesystem::path& file, const char* format, const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* pixels) {
+    const std::vector<unsigned char> bytes = encoded(file.string(), format, spec, type, pixels);
+    replaceFile(file, std::as_bytes(std::span(bytes)));
 }
 
 void addColor(Picture& picture, const char* const (&names)[3], std::span<const Spectrum> values) {
@@ -57,6 +63,20 @@ void addCosts(Picture& picture, const Film& film) {
             planes[0][i] = cost.microseconds;
             planes[1][i] = cost.rays;
             planes[2][i] = cost.depth;
+        }
+}
+
+void addGathered(Picture& picture, const Film& film) {
+    for (const char* name : {"photons.density", "photons.radius", "photons.count"}) picture.add(name);
+    const auto planes = picture.planes.end() - 3;
+    const Rect& window = picture.window;
+    std::size_t i = 0;
+    for (uint32_t y = window.y0; y < window.y1; ++y)
+        for (uint32_t x = window.x0; x < window.x1; ++x, ++i) {
+            const Gathered g = film.gathered({x, y});
+            planes[0][i] = g.density;
+            planes[1][i] = g.radius;
+            planes[2][i] = g.count;
         }
 }
 
@@ -106,6 +126,7 @@ Picture pictureOf(const Film& film, std::span<const float> depth, FirstHitLayers
     for (std::size_t i = 0; i < samples.size(); ++i)
         samples[i] = float(film.count({window.x0 + uint32_t(i % window.width()), window.y0 + uint32_t(i / window.width())}));
     if (layout.costs) addCosts(picture, film);
+    if (layout.photons) addGathered(picture, film);
     for (std::size_t l = 0; l < layout.layers.size(); ++l) {
         const std::string &name = layout.layers[l], r = name + ".R", g = name + ".G", b = name + ".B";
         addColor(picture, {r.c_str(), g.c_str(), b.c_str()}, perPixel(window, [&](Pixel p) { return film.mean(p, int(l)); }));
@@ -144,6 +165,18 @@ void writePng(const std::filesystem::path& file, uint32_t width, uint32_t height
         text.emplace_back(name, std::visit([](const auto& v) { return fmt::format("{}", v); }, value));
     setAttributes(spec, text);
     encode(file, "png", spec, OIIO::TypeDesc::UINT8, rgb.data());
+}
+
+std::vector<std::byte> pngBytes(uint32_t width, uint32_t height, int channels, PixelType type, const void* pixels,
+                                const std::string& name) {
+    const OIIO::TypeDesc stored = type == PixelType::u8 ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::UINT16;
+    OIIO::ImageSpec spec(int(width), int(height), channels, stored);
+    spec.attribute("oiio:UnassociatedAlpha", 1); // colours are not multiplied by alpha
+    setAttributes(spec, {});
+    const std::vector<unsigned char> bytes =
+        encoded(name, "png", spec, type == PixelType::f32 ? OIIO::TypeDesc(OIIO::TypeDesc::FLOAT) : stored, pixels);
+    const auto* begin = reinterpret_cast<const std::byte*>(bytes.data());
+    return {begin, begin + bytes.size()};
 }
 
 Picture readPicture(const std::filesystem::path& file) {

@@ -1,38 +1,11 @@
 #include "core/math/sampler.h"
+#include "core/math/sobol.h"
 #include <array>
 
 namespace chiaro {
 namespace {
 
-uint32_t reverseBits(uint32_t x) noexcept {
-    x = __builtin_bswap32(x);
-    x = (x >> 4 & 0x0f0f0f0fu) | (x & 0x0f0f0f0fu) << 4;
-    x = (x >> 2 & 0x33333333u) | (x & 0x33333333u) << 2;
-    return (x >> 1 & 0x55555555u) | (x & 0x55555555u) << 1;
-}
-
-// A nested uniform scramble on reversed bits: each bit is flipped by a hash of the bits below it only (Laine and Karras 2011, with the
-// constants that Vegdahl published in 2021 for full avalanche).
-uint32_t laineKarras(uint32_t x, uint32_t seed) noexcept {
-    x ^= x * 0x3d20adeau;
-    x += seed;
-    x *= (seed >> 16) | 1;
-    x ^= x * 0x05526c56u;
-    x ^= x * 0x53a22864u;
-    return x;
-}
 uint32_t owenScramble(uint32_t x, uint32_t seed) noexcept { return reverseBits(laineKarras(reverseBits(x), seed)); }
-
-// Second dimension of Sobol' (direction numbers of the polynomial x + 1) in reversed-bit form: bit i of the point's reversal is the parity
-// of the index masked by a row of Pascal's triangle modulo 2, which five shift-and-xor steps multiply by (Ahmed 2024; Quilez' xor-shift
-// form).
-uint32_t sobolSecondReversed(uint32_t index) noexcept {
-    index ^= (index & 0xaaaaaaaau) >> 1;
-    index ^= (index & 0xccccccccu) >> 2;
-    index ^= (index & 0xf0f0f0f0u) >> 4;
-    index ^= (index & 0xff00ff00u) >> 8;
-    return index ^ index >> 16;
-}
 
 // Third dimension: primitive polynomial x^2 + x + 1, first direction numbers 1 and 3 (Joe and Kuo 2008), a table for each byte of the
 // index.
@@ -51,8 +24,6 @@ uint32_t sobolThird(uint32_t index) noexcept {
     static constexpr ByteTables tables = thirdTables();
     return tables[0][index & 255] ^ tables[1][index >> 8 & 255] ^ tables[2][index >> 16 & 255] ^ tables[3][index >> 24];
 }
-
-float toUnit(uint32_t bits) noexcept { return float(bits >> 8) * 0x1p-24f; }
 
 } // namespace
 
@@ -77,7 +48,7 @@ uint32_t Sampler::bits(uint32_t d) const noexcept {
     const uint64_t h = hashCombine(key_, d);
     if (kind_ == SamplerKind::independent) return uint32_t(hashCombine(h, index_) >> 32);
     // Van der Corput (the reversal) of the Owen-shuffled index, scrambled again.
-    return reverseBits(laineKarras(shuffled(uint32_t(h)), uint32_t(h >> 32)));
+    return reverseBits(laineKarras(shuffledIndex(index_, uint32_t(h)), uint32_t(h >> 32)));
 }
 
 float Sampler::get1D() noexcept {
@@ -90,26 +61,24 @@ double Sampler::getPick() noexcept {
     return d < vectorSize_ ? double(vector_[d]) : double(bits(d)) * 0x1p-32;
 }
 
-// The first two dimensions of the point of a shuffled index.
-Point2 Sampler::pair(uint32_t shuffled, uint32_t seedX, uint32_t seedY) noexcept {
-    // Owen's scramble of a reversed number is the reversal of Laine and Karras' hash of the number itself.
-    return {toUnit(reverseBits(laineKarras(shuffled, seedX))), toUnit(reverseBits(laineKarras(sobolSecondReversed(shuffled), seedY)))};
+Sampler::PairSeeds Sampler::pairSeeds() const noexcept {
+    const uint64_t h = hashCombine(key_, dimension_), g = hashMix(h ^ 0x6a09e667f3bcc909ull);
+    return {uint32_t(h), uint32_t(h >> 32), uint32_t(g)};
 }
-
-uint32_t Sampler::shuffled(uint32_t seed) const noexcept { return reverseBits(laineKarras(reverseBits(index_), seed)); }
 
 Point2 Sampler::get2D() noexcept {
     if (dimension_ + 1 < vectorSize_) {
         const float x = get1D();
         return {x, get1D()};
     }
-    const uint64_t h = hashCombine(key_, dimension_), g = hashMix(h ^ 0x6a09e667f3bcc909ull);
-    dimension_ += 2;
     if (kind_ == SamplerKind::independent) {
-        const uint64_t r = hashCombine(h, index_);
+        const uint64_t r = hashCombine(hashCombine(key_, dimension_), index_);
+        dimension_ += 2;
         return {toUnit(uint32_t(r >> 32)), toUnit(uint32_t(r))};
     }
-    return pair(shuffled(uint32_t(h)), uint32_t(h >> 32), uint32_t(g));
+    const PairSeeds seeds = pairSeeds();
+    dimension_ += 2;
+    return sobolPair(shuffledIndex(index_, seeds.index), seeds.x, seeds.y);
 }
 
 PickAndPoint Sampler::get3D() noexcept {
@@ -119,8 +88,8 @@ PickAndPoint Sampler::get3D() noexcept {
     }
     const uint64_t h = hashCombine(key_, dimension_), g = hashMix(h ^ 0x6a09e667f3bcc909ull);
     dimension_ += 3;
-    const uint32_t index = shuffled(uint32_t(h)), third = owenScramble(sobolThird(index), uint32_t(g >> 32));
-    return {double(third) * 0x1p-32, pair(index, uint32_t(h >> 32), uint32_t(g))};
+    const uint32_t index = shuffledIndex(index_, uint32_t(h)), third = owenScramble(sobolThird(index), uint32_t(g >> 32));
+    return {double(third) * 0x1p-32, sobolPair(index, uint32_t(h >> 32), uint32_t(g))};
 }
 
 Sampler Sampler::split(uint32_t j, uint32_t n) const noexcept {

@@ -38,11 +38,21 @@ public:
     // The j-th of n continuations, stratified together over all samples; n = 1 continues unchanged.
     Sampler split(uint32_t j, uint32_t n) const noexcept;
     uint32_t dimension() const noexcept { return dimension_; }
+    // The same numbers of another sample of this path.
+    Sampler at(uint32_t sample) const noexcept {
+        Sampler s = *this;
+        s.index_ = sample;
+        return s;
+    }
+    // What get2D() makes of any sample here: for whoever draws many samples of one path at once (core/math/sobol.h). Not of a vector.
+    struct PairSeeds {
+        uint32_t index = 0, x = 0, y = 0;
+    };
+    PairSeeds pairSeeds() const noexcept;
+    SamplerKind kind() const noexcept { return kind_; }
 
 private:
     uint32_t bits(uint32_t dimension) const noexcept;
-    uint32_t shuffled(uint32_t seed) const noexcept;
-    static Point2 pair(uint32_t shuffledIndex, uint32_t seedX, uint32_t seedY) noexcept;
     uint64_t key_ = 0;
     uint32_t index_ = 0, dimension_ = 0;
     SamplerKind kind_ = SamplerKind::sobol;

@@ -27,6 +27,17 @@ void Diagnostics::warn(std::string message) {
     if (std::find(warnings_.begin(), warnings_.end(), message) == warnings_.end()) warnings_.push_back(std::move(message));
 }
 
+void Diagnostics::tell(std::string subject, std::string message) {
+    const std::lock_guard lock(mutex_);
+    Fact fact{std::move(subject), std::move(message)};
+    if (std::find(facts_.begin(), facts_.end(), fact) == facts_.end()) facts_.push_back(std::move(fact));
+}
+
+std::vector<Diagnostics::Fact> Diagnostics::facts() const {
+    const std::lock_guard lock(mutex_);
+    return facts_;
+}
+
 std::vector<std::string> Diagnostics::warnings() const {
     const std::lock_guard lock(mutex_);
     return warnings_;

@@ -29,15 +29,23 @@ public:
     Exit code;
 };
 
-// Warnings of one run, in the order of their arrival; the same text is kept once.
+// Warnings of one run, in the order of their arrival; the same text is kept once. Beside them what was chosen or found automatically and a
+// user may want to fix or to quote: "photons  2.1 M in 0.4 s, radius 0.031 m      keep it with: -i photon:radius=0.031".
 class Diagnostics {
 public:
     void warn(std::string message);
+    void tell(std::string subject, std::string message);
+    struct Fact {
+        std::string subject, message; // subject: one word
+        friend bool operator==(const Fact&, const Fact&) = default;
+    };
     std::vector<std::string> warnings() const;
+    std::vector<Fact> facts() const;
 
 private:
     mutable std::mutex mutex_;
     std::vector<std::string> warnings_;
+    std::vector<Fact> facts_;
 };
 
 // The member of candidates that is nearest to word by edit distance, or empty when none is near enough to be meant.

@@ -68,6 +68,19 @@ enum class Fault : uint8_t {
     shadowUntinted,
     splitUnweighted,
     occlusionUniform,
+    // photons
+    photonPowerBias,
+    photonDensityBias,
+    photonDirectTwice,
+    photonRadiusFixed,
+    photonCausticTwice,
+    // radiosity
+    formFactorTransposed,
+    formFactorHorizon,
+    unshotForgotten,
+    pullWithoutArea,
+    radiosityDirectTwice,
+    reflectanceOfOtherSide,
     count
 };
 

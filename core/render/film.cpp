@@ -13,9 +13,42 @@ constexpr double aovUnit = 0x1p30;
 constexpr std::size_t ledgerLength = 16; // dropped samples that are located; all are counted
 constexpr uint32_t block = 8;            // pixels over which the error is pooled
 
+// Below this a multiple of 2^-48 fits 64 bits, and the conversion of a double, which holds it exactly, rounds to nearest, ties to even.
+constexpr float smallFixed = 0x1p14f;
+int64_t smallToFixed(float v) noexcept { return std::llrint(double(v) * 0x1p48); }
+
 bool fits(const Spectrum& s) noexcept {
     return std::fabs(s[0]) < fixedLimit && std::fabs(s[1]) < fixedLimit && std::fabs(s[2]) < fixedLimit; // false for NaN
 }
+
+// What a few samples of one pixel sum up to, in 64 bits: at most `most` of them, their light below `limit`.
+struct ShortSums {
+    static constexpr std::size_t most = 32;
+    static constexpr float limit = 0x1p9f;
+    int64_t light[2][3] = {}, aovs[3 * aovCount] = {};
+    // False where a sample is too bright, or not finite.
+    bool add(std::span<const Outputs> outs, uint32_t first) noexcept {
+        constexpr double magic = 0x1.8p52; // plus an integer below 2^51: rounds to nearest, ties to even, and shows the integer in its bits
+        for (std::size_t k = 0; k < outs.size(); ++k) {
+            const Outputs& out = outs[k];
+            int64_t(&sum)[3] = light[(first + k) & 1];
+            bool good = true;
+            for (std::size_t c = 0; c < 3; ++c) {
+                good &= std::fabs(out.layer[0].c[c]) < limit;
+                sum[c] += smallToFixed(out.layer[0].c[c]);
+            }
+            for (std::size_t a = 0; a < aovCount; ++a)
+                for (std::size_t c = 0; c < 3; ++c) {
+                    const float v = out.aovs[a].c[c];
+                    good &= std::fabs(v) < fixedLimit;
+                    aovs[3 * a + c] += std::bit_cast<int64_t>(double(min(max(v, -1.f), 1.f)) * aovUnit + magic);
+                }
+            if (!good) return false;
+        }
+        for (int64_t& a : aovs) a -= int64_t(uint64_t(outs.size()) * std::bit_cast<uint64_t>(magic));
+        return true;
+    }
+};
 
 } // namespace
 
@@ -35,11 +68,15 @@ Int128 toFixed(float v) noexcept {
     return bits >> 31 ? -magnitude : magnitude;
 }
 
-double fromFixed(Int128 v) noexcept { return double(v) * 0x1p-48; }
+double fromFixed(Int128 v) noexcept {
+    const auto low = int64_t(v);
+    return (Int128(low) == v ? double(low) : double(v)) * 0x1p-48; // the short conversion is one instruction, with the same rounding
+}
 
 std::size_t FilmLayout::bytes() const noexcept {
     const std::size_t planes = std::max<std::size_t>(1, layers.size());
-    return crop.area() * (planes * (sizeof(Int128) * 6 + (splats ? sizeof(int64_t) * 18 : 0)) + sizeof(int64_t) * (costs ? 9 : 6) + 12);
+    return crop.area() * (planes * (sizeof(Int128) * 6 + (splats ? sizeof(int64_t) * 18 : 0)) + sizeof(int64_t) * (costs ? 9 : 6) +
+                          (photons ? 3 * sizeof(Int128) : 0) + 12);
 }
 
 Spectrum Outputs::total() const noexcept {
@@ -52,6 +89,7 @@ Film::Film(const FilmLayout& layout)
     : layout_(layout), planes_(int(std::max<std::size_t>(1, layout.layers.size()))), sums_(layout.crop.area() * planes_),
       aovs_(layout.crop.area()), counts_(layout.crop.area()) {
     if (layout.costs) costs_.resize(layout.crop.area());
+    if (layout.photons) gathered_.resize(layout.crop.area());
     if (layout.splats) splats_ = std::make_unique<Digits[]>(layout.crop.area() * planes_);
 }
 
@@ -68,31 +106,67 @@ void Film::drop(Pixel p, uint32_t sample) noexcept {
     if (dropped_.size() > ledgerLength) dropped_.pop_back();
 }
 
-void Film::add(Pixel p, uint32_t sample, const Outputs& out) noexcept {
-    const std::size_t i = at(p);
-    Counts& counts = counts_[i];
-    counts.next = sample + 1;
+bool Film::usable(const Outputs& out) const noexcept {
     bool good = true;
     for (int l = 0; l < planes_; ++l) good = good && fits(out.layer[l]);
     for (const Spectrum& a : out.aovs) good = good && fits(a);
-    if (!good) return drop(p, sample);
-    const int half = int(sample & 1);
-    ++counts.kept[half];
+    return good;
+}
+
+void Film::addExtras(std::size_t i, const Outputs& out) noexcept {
     if (!costs_.empty()) {
         costs_[i][0] += uint64_t(double(out.microseconds) * 1e3);
         costs_[i][1] += out.rays + 1;
         costs_[i][2] += out.depth;
     }
-    for (int l = 0; l < planes_; ++l)
-        for (int c = 0; c < 3; ++c) {
-            Int128& sum = sums_[i + std::size_t(l) * layout_.crop.area()].half[half][c];
-            sum += toFixed(out.layer[l][std::size_t(c)]);
-            if (fault(Fault::sumsInFloat)) sum = toFixed(float(fromFixed(sum)));
+    if (!gathered_.empty()) {
+        gathered_[i][0] += toFixed(out.gathered.density);
+        gathered_[i][1] += toFixed(out.gathered.radius);
+        gathered_[i][2] += toFixed(out.gathered.count);
+    }
+}
+
+void Film::add(Pixel p, uint32_t sample, const Outputs& out) noexcept { add(p, sample, {&out, 1}); }
+
+void Film::add(Pixel p, uint32_t first, std::span<const Outputs> outs) noexcept {
+    const std::size_t i = at(p), plane = layout_.crop.area();
+    Counts& counts = counts_[i];
+    counts.next = first + uint32_t(outs.size());
+    const bool extras = !costs_.empty() || !gathered_.empty();
+    if (planes_ == 1 && !extras && outs.size() <= ShortSums::most && !fault(Fault::sumsInFloat))
+        if (ShortSums sums; sums.add(outs, first)) {
+            const auto n = uint32_t(outs.size()), odd = (n + (first & 1)) / 2;
+            counts.kept[0] += n - odd;
+            counts.kept[1] += odd;
+            for (int h = 0; h < 2; ++h)
+                for (int c = 0; c < 3; ++c) sums_[i].half[h][c] += sums.light[h][c];
+            for (std::size_t c = 0; c < 6; ++c) aovs_[i][c] += sums.aovs[c];
+            return;
         }
-    for (int a = 0; a < aovCount; ++a)
-        for (int c = 0; c < 3; ++c)
-            aovs_[i][std::size_t(3 * a + c)] +=
-                std::llrint(double(std::clamp(out.aovs[a][std::size_t(c)], -1.f, 1.f)) * aovUnit); // to nearest, ties to even
+    std::array<int64_t, 6> aovs = aovs_[i];
+    for (std::size_t k = 0; k < outs.size(); ++k) {
+        const Outputs& out = outs[k];
+        if (!usable(out)) {
+            drop(p, first + uint32_t(k));
+            continue;
+        }
+        const int half = int((first + k) & 1);
+        ++counts.kept[half];
+        if (extras) addExtras(i, out);
+        for (int l = 0; l < planes_; ++l)
+            for (int c = 0; c < 3; ++c) {
+                const float v = out.layer[l][std::size_t(c)];
+                if (v == 0) continue;
+                Int128& sum = sums_[i + std::size_t(l) * plane].half[half][c];
+                sum += std::fabs(v) < smallFixed ? Int128(smallToFixed(v)) : toFixed(v);
+                if (fault(Fault::sumsInFloat)) sum = toFixed(float(fromFixed(sum)));
+            }
+        for (int a = 0; a < aovCount; ++a)
+            for (int c = 0; c < 3; ++c)
+                aovs[std::size_t(3 * a + c)] +=
+                    std::llrint(double(std::clamp(out.aovs[a][std::size_t(c)], -1.f, 1.f)) * aovUnit); // to nearest, ties to even
+    }
+    aovs_[i] = aovs;
 }
 
 void Film::splat(Pixel p, Layer layer, const Spectrum& v, Half half) noexcept {
@@ -157,6 +231,13 @@ Cost Film::cost(Pixel p) const noexcept {
     if (n == 0 || costs_.empty()) return {};
     const auto& c = costs_[at(p)];
     return {float(double(c[0]) / 1e3 / n), float(double(c[1]) / n), float(double(c[2]) / n)};
+}
+
+Gathered Film::gathered(Pixel p) const noexcept {
+    const double n = count(p);
+    if (n == 0 || gathered_.empty()) return {};
+    const auto& g = gathered_[at(p)];
+    return {float(fromFixed(g[0]) / n), float(fromFixed(g[1]) / n), float(fromFixed(g[2]) / n)};
 }
 
 uint32_t Film::count(Pixel p) const noexcept {
@@ -239,6 +320,8 @@ void Film::merge(const Film& other) {
         for (std::size_t c = 0; c < 6; ++c) aovs_[i][c] += other.aovs_[i][c];
         if (!costs_.empty() && !other.costs_.empty())
             for (std::size_t c = 0; c < 3; ++c) costs_[i][c] += other.costs_[i][c];
+        if (!gathered_.empty() && !other.gathered_.empty())
+            for (std::size_t c = 0; c < 3; ++c) gathered_[i][c] += other.gathered_[i][c];
     }
     if (splats_)
         for (std::size_t i = 0; i < sums_.size(); ++i)

@@ -9,6 +9,7 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,12 +30,18 @@ struct Cost {
     float microseconds = 0, rays = 0, depth = 0;
 };
 
+// What a density estimate found at the sample's gathering points: photons per square metre, radius in metres, how many photons.
+struct Gathered {
+    float density = 0, radius = 0, count = 0;
+};
+
 struct FilmLayout {
     uint32_t width = 0, height = 0;  // of the whole picture
     Rect crop;                       // the part that this film holds
     std::vector<std::string> layers; // names of the layers 1, 2, ...; empty: beauty alone
     bool splats = false;
     bool costs = false;                 // keep the cost of every pixel
+    bool photons = false;               // keep what density estimates found
     std::size_t bytes() const noexcept; // that a film of this layout takes
 };
 
@@ -42,15 +49,17 @@ struct FilmLayout {
 class Outputs {
 public:
     static constexpr int maxLayers = 32;
-    Spectrum layer[maxLayers]; // used up to the layout's count; without layers everything is in 0
     Spectrum aovs[aovCount];
     uint32_t lightPaths = 0; // shot for this sample; summed into the film's divisor of splats
     uint32_t rays = 0;       // traced for this sample beyond the first
     uint32_t depth = 0;      // scatterings of its longest path
     float microseconds = 0;  // set by the tile loop where the film keeps costs
+    Gathered gathered;       // of the first density estimate along the path; kept where the film wants it
     PathLog* log = nullptr;  // who wants to see the path
 
-    explicit Outputs(const FilmLayout& layout) noexcept : last_(layout.layers.empty() ? 0 : uint8_t(layout.layers.size() - 1)) {}
+    explicit Outputs(const FilmLayout& layout) noexcept : last_(layout.layers.empty() ? 0 : uint8_t(layout.layers.size() - 1)) {
+        for (int i = 0; i <= last_; ++i) std::construct_at(layer + i);
+    }
     void add(Layer l, const Spectrum& v) noexcept {
         if (l != 0) layer[last_ == 0 ? 0 : l - 1] += v;
     }
@@ -64,6 +73,11 @@ public:
 
 private:
     uint8_t last_;
+
+public:
+    union { // the first layers() of them live: few are used, and clearing all would cost more than what a simple path takes
+        Spectrum layer[maxLayers]; // without layers everything is in 0
+    };
 };
 
 // A sample that was not finite (or beyond 2^36) and was left out.
@@ -78,16 +92,18 @@ public:
     explicit Film(const FilmLayout&);
     const FilmLayout& layout() const noexcept { return layout_; }
 
-    uint32_t next(Pixel) const noexcept;                       // the sample index that this pixel takes next
-    void add(Pixel, uint32_t sample, const Outputs&) noexcept; // one thread a pixel
-    void splat(Pixel, Layer, const Spectrum&, Half) noexcept;  // any thread
-    void lightPaths(double count, Half) noexcept;              // the divisor of splats; any thread, between passes
+    uint32_t next(Pixel) const noexcept;                                // the sample index that this pixel takes next
+    void add(Pixel, uint32_t sample, const Outputs&) noexcept;          // one thread a pixel
+    void add(Pixel, uint32_t first, std::span<const Outputs>) noexcept; // consecutive samples from `first` on: the same bits, in less time
+    void splat(Pixel, Layer, const Spectrum&, Half) noexcept;           // any thread
+    void lightPaths(double count, Half) noexcept;                       // the divisor of splats; any thread, between passes
 
     Spectrum mean(Pixel) const noexcept;
     Spectrum mean(Pixel, int layer) const noexcept; // layer: index into layout().layers
     Spectrum halfMean(Pixel, Half) const noexcept;
     Spectrum aov(Pixel, Aov) const noexcept;
-    Cost cost(Pixel) const noexcept; // mean of a sample
+    Cost cost(Pixel) const noexcept;         // mean of a sample
+    Gathered gathered(Pixel) const noexcept; // mean of a sample
     uint32_t count(Pixel) const noexcept;
     // Standard error of mean(), per channel: |even - odd| / 2, pooled (root mean square) over the 8 x 8 block of the pixel. 0 with one half
     // only.
@@ -122,13 +138,16 @@ private:
     Spectrum value(std::size_t pixel, int firstLayer, int endLayer, int half) const noexcept; // half 2: both
     double halfDeviation(Pixel) const noexcept; // |even - odd| / 2 in luminance: one standard error, from one degree of freedom
     void drop(Pixel, uint32_t sample) noexcept;
+    bool usable(const Outputs&) const noexcept;
+    void addExtras(std::size_t pixel, const Outputs&) noexcept; // cost and what density estimates found, where the film keeps them
 
     FilmLayout layout_;
     int planes_;
     std::vector<Sums> sums_;                   // plane by plane
     std::vector<std::array<int64_t, 6>> aovs_; // multiples of 2^-30
     std::vector<Counts> counts_;
-    std::vector<std::array<uint64_t, 3>> costs_; // nanoseconds, rays, depths; empty: not kept
+    std::vector<std::array<uint64_t, 3>> costs_;  // nanoseconds, rays, depths; empty: not kept
+    std::vector<std::array<Int128, 3>> gathered_; // density, radius, count; empty: not kept
     std::unique_ptr<Digits[]> splats_;
     double lightPaths_[2] = {};
     uint32_t done_ = 0;

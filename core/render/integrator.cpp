@@ -1,6 +1,6 @@
 #include "core/render/integrator.h"
 #include "core/render/fault.h"
-#include <array>
+#include "core/render/wide_starts.h"
 #include <chrono>
 #include <cmath>
 
@@ -8,14 +8,21 @@ namespace chiaro {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::size_t mostStarts = 256;
+constexpr std::size_t mostStarts = StartLanes::most;
+
+// Consecutive samples of one pixel.
+struct Run {
+    Pixel pixel;
+    uint32_t first = 0, count = 0;
+    Sampler sampler; // of the first, behind its position in the pixel
+};
 
 // Memory of one thread for one batch: kept between tiles, since 256 outputs with layers are 100 KB.
 struct Room {
     alignas(64) std::byte starts[mostStarts * sizeof(PathStart)];
     alignas(64) std::byte outputs[mostStarts * sizeof(Outputs)];
-    std::array<Ray, mostStarts> rays;
-    std::array<Hit, mostStarts> hits;
+    alignas(64) std::byte runs[mostStarts * sizeof(Run)];
+    StartLanes lanes;
 };
 
 uint64_t pathIndex(Pixel p) noexcept { return fault(Fault::seedsShared) ? 0 : uint64_t(p.y) << 32 | p.x; }
@@ -26,26 +33,31 @@ Point2 shiftedAround(Point2 p, uint64_t bits) noexcept {
     return {x - std::floor(x), y - std::floor(y)};
 }
 
-// Numbers that nobody asks for are skipped, not drawn: the others keep their dimensions.
-PathStart makeStart(const Job& job, Pixel pixel, uint32_t sample, Point2 raster, Sampler sampler, std::optional<float> at) noexcept {
+// The dimensions of a start. Numbers that nobody asks for are skipped, not drawn: the others keep their dimensions.
+constexpr uint32_t positionDimensions = 2, timeDimensions = 1, lensDimensions = 2;
+float timeOf(const Job& job, std::optional<float> at, Sampler& sampler) noexcept {
     const float open = job.shutter.open, length = job.shutter.close - open;
-    float time = at ? *at : open;
-    if (at || length == 0)
-        sampler.skip(1);
-    else
-        time = open + sampler.get1D() * length;
+    if (!at && length != 0) return open + sampler.get1D() * length;
+    sampler.skip(timeDimensions);
+    return at ? *at : open;
+}
+PathStart makeStart(const Job& job, Pixel pixel, uint32_t sample, Point2 raster, Sampler sampler, std::optional<float> at) noexcept {
+    const float time = timeOf(job, at, sampler);
     Point2 lens;
     if (job.view.camera.hasLens())
         lens = sampler.get2D();
     else
-        sampler.skip(2);
+        sampler.skip(lensDimensions);
     return {pixel, sample, job.view.camera.ray(raster, lens, time), job.view.camera.footprint(), {}, sampler, {}};
 }
 
+Point2 centreOf(Pixel p) noexcept {
+    const float half = fault(Fault::pixelCorner) ? 0.f : 0.5f;
+    return {float(p.x) + half, float(p.y) + half};
+}
 Point2 filteredPosition(const Filter& filter, Pixel pixel, Point2 u) noexcept {
-    const Point2 filtered = filter.sample(u);
-    const float centre = fault(Fault::pixelCorner) ? 0.f : 0.5f;
-    return {float(pixel.x) + centre + filtered.x, float(pixel.y) + centre + filtered.y};
+    const Point2 filtered = filter.sample(u), centre = centreOf(pixel);
+    return {centre.x + filtered.x, centre.y + filtered.y};
 }
 
 PathStart pixelStart(const Job& job, Pixel pixel, uint32_t sample, const Starts& how) noexcept {
@@ -56,7 +68,7 @@ PathStart pixelStart(const Job& job, Pixel pixel, uint32_t sample, const Starts&
     }
     Point2 p = how.pattern[sample % how.pattern.size()];
     if (how.jitter == 0) {
-        sampler.skip(2);
+        sampler.skip(positionDimensions);
     } else {
         const Point2 u = sampler.get2D();
         p = {p.x + (u.x - 0.5f) * how.jitter, p.y + (u.y - 0.5f) * how.jitter};
@@ -70,42 +82,108 @@ void traceFirst(const Job& job, PathStart& start) noexcept {
     job.scene.intersect(std::span<const Ray>(&start.ray, 1), std::span<Hit>(&start.first, 1), true);
 }
 
-// One tile, one sample index after the other: gather the pixels that want it, trace, hand over, add.
+// One tile: gather samples, sixteen of a pixel before the next where a pass has so many, since their rays stay together; trace, hand over,
+// add.
 class TileLoop {
 public:
     TileLoop(const Job& job, const Pass& pass, Film& film, Batch batch, const Starts& how)
         : job_(job), pass_(pass), film_(film), batch_(batch), how_(how),
-          most_(film.layout().costs ? 1 : std::clamp<std::size_t>(how.width, 1, mostStarts)) { // a clock looks at one sample at a time
+          most_(film.layout().costs ? 1 : std::clamp<std::size_t>(how.width, 1, mostStarts)), // a clock looks at one sample at a time
+          plain_(how.pattern.empty() && job.sampler == SamplerKind::sobol && job.view.camera.plain()) {
         thread_local const std::unique_ptr<Room> room = std::make_unique<Room>();
         room_ = room.get();
     }
     void run(Rect tile) {
-        for (uint32_t sample = pass_.begin; sample < pass_.end; ++sample) {
+        for (uint32_t begin = pass_.begin, end; begin < pass_.end; begin = end) {
+            end = begin + std::min(pass_.end - begin, uint32_t(RayPacket::size));
             for (uint32_t y = tile.y0; y < tile.y1; ++y)
-                for (uint32_t x = tile.x0; x < tile.x1; ++x) take({x, y}, sample);
-            flush();
+                for (uint32_t x = tile.x0; x < tile.x1; ++x) take({x, y}, begin, end);
         }
+        flush();
     }
 
 private:
     PathStart* starts() noexcept { return reinterpret_cast<PathStart*>(room_->starts); }
     Outputs* outputs() noexcept { return reinterpret_cast<Outputs*>(room_->outputs); }
-    void take(Pixel pixel, uint32_t sample) {
-        if (film_.next(pixel) > sample || (pass_.active && !pass_.active->active(pixel))) return;
-        ::new (starts() + count_) PathStart(pixelStart(job_, pixel, sample, how_));
-        ::new (outputs() + count_) Outputs(film_.layout());
-        if (++count_ == most_) flush();
+    Run* runs() noexcept { return reinterpret_cast<Run*>(room_->runs); }
+    void take(Pixel pixel, uint32_t begin, uint32_t end) {
+        begin = std::max(begin, film_.next(pixel));
+        if (begin >= end || (pass_.active && !pass_.active->active(pixel))) return;
+        Sampler sampler(job_.seed, job_.sampler, Stream::pixel, pathIndex(pixel), begin);
+        const Sampler::PairSeeds seeds = plain_ ? sampler.pairSeeds() : Sampler::PairSeeds{};
+        sampler.skip(positionDimensions);
+        while (begin < end) {
+            const uint32_t n = std::min(end - begin, uint32_t(most_ - count_));
+            ::new (runs() + runCount_++) Run{pixel, begin, n, sampler};
+            if (plain_) lay(pixel, begin, n, seeds);
+            begin += n;
+            count_ += n;
+            if (count_ == most_) flush();
+        }
+    }
+    void lay(Pixel pixel, uint32_t first, uint32_t n, const Sampler::PairSeeds& seeds) noexcept {
+        StartLanes& lanes = room_->lanes;
+        const Point2 centre = centreOf(pixel);
+        for (std::size_t i = count_; i < count_ + n; ++i) {
+            lanes.sample[i] = first++;
+            lanes.index[i] = seeds.index;
+            lanes.x[i] = seeds.x;
+            lanes.y[i] = seeds.y;
+            lanes.centreX[i] = centre.x;
+            lanes.centreY[i] = centre.y;
+        }
     }
     void flush() {
-        const std::size_t n = std::exchange(count_, 0);
+        const std::size_t n = count_;
         if (n == 0) return;
         const auto begin = film_.layout().costs ? Clock::now() : Clock::time_point{};
-        for (std::size_t i = 0; i < n; ++i) room_->rays[i] = starts()[i].ray;
-        job_.scene.intersect({room_->rays.data(), n}, {room_->hits.data(), n}, true);
-        for (std::size_t i = 0; i < n; ++i) starts()[i].first = room_->hits[i];
+        plain_ ? makePlain(n) : makeAny(n);
+        for (std::size_t i = 0; i < n; ++i) ::new (outputs() + i) Outputs(film_.layout());
         batch_({starts(), n}, {outputs(), n});
         if (film_.layout().costs) outputs()[0].microseconds = std::chrono::duration<float, std::micro>(Clock::now() - begin).count();
-        for (std::size_t i = 0; i < n; ++i) film_.add(starts()[i].pixel, starts()[i].sample, outputs()[i]);
+        const Outputs* next = outputs();
+        for (const Run& run : std::span<const Run>(runs(), runCount_)) {
+            film_.add(run.pixel, run.first, {next, run.count});
+            next += run.count;
+        }
+        count_ = runCount_ = 0;
+    }
+    // The starts as pixelStart() makes them, sixteen rays at a time.
+    void makePlain(std::size_t n) noexcept {
+        const Camera& camera = job_.view.camera;
+        const Ray ray{camera.position(), 0, {}, infinity, 0};
+        RayPacket packet;
+        for (std::size_t k = 0; k < RayPacket::size; ++k) packet.set(k, ray);
+        Hit hits[RayPacket::size];
+        const Run* run = runs();
+        for (std::size_t first = 0, taken = 0; first < n; first += RayPacket::size) {
+            const std::size_t lanes = std::min(RayPacket::size, n - first);
+            PathStart* const to = starts() + first;
+            plainDirections(room_->lanes, first, job_.view.filter, camera, packet);
+            for (std::size_t k = 0; k < lanes; ++k, ++taken) {
+                if (taken == run->count) ++run, taken = 0;
+                const uint32_t sample = room_->lanes.sample[first + k];
+                Sampler sampler = run->sampler.at(sample);
+                packet.time[k] = timeOf(job_, how_.time, sampler);
+                sampler.skip(lensDimensions);
+                ::new (to + k) PathStart{run->pixel, sample, packet.ray(k), camera.footprint(), {}, sampler, {}};
+            }
+            job_.scene.intersect(packet, {hits, lanes}, true);
+            for (std::size_t k = 0; k < lanes; ++k) to[k].first = hits[k];
+        }
+    }
+    void makeAny(std::size_t n) noexcept {
+        PathStart* to = starts();
+        for (const Run& run : std::span<const Run>(runs(), runCount_))
+            for (uint32_t i = 0; i < run.count; ++i) ::new (to++) PathStart(pixelStart(job_, run.pixel, run.first + i, how_));
+        for (std::size_t first = 0; first < n; first += RayPacket::size) {
+            const std::size_t lanes = std::min(RayPacket::size, n - first);
+            RayPacket packet{};
+            Hit hits[RayPacket::size];
+            for (std::size_t k = 0; k < lanes; ++k) packet.set(k, starts()[first + k].ray);
+            job_.scene.intersect(packet, {hits, lanes}, true);
+            for (std::size_t k = 0; k < lanes; ++k) starts()[first + k].first = hits[k];
+        }
     }
 
     const Job& job_;
@@ -113,7 +191,8 @@ private:
     Film& film_;
     Batch batch_;
     const Starts& how_;
-    std::size_t most_, count_ = 0;
+    std::size_t most_, count_ = 0, runCount_ = 0;
+    bool plain_; // the rays are made sixteen at a time
     Room* room_;
 };
 

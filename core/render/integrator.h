@@ -27,6 +27,8 @@ struct Work { // all that a pre-pass may use: no view
     std::size_t memoryLimit = ~std::size_t(0);
 };
 class Prepass;
+class Writer;
+class Reader;
 struct Job : Work { // one render, constant from prepare to the last pass
     const View& view;
     const Prepass* prepass = nullptr; // the indirect term of the integrators that have room for one (core/render/prepass.h)
@@ -49,8 +51,11 @@ struct Pass {
 class Integrator {
 public:
     virtual ~Integrator() = default;
-    virtual void prepare(const Job&) {} // pure function of the job and the options; once
+    virtual void prepare(const Job&) {} // pure function of the job and the options; once, before load
     virtual void render(const Job&, const Pass&, Film&) = 0;
+    // What a resume cannot recompute (core/render/archive.h): the state after the passes so far.
+    virtual void save(Writer&) const {}
+    virtual void load(const Job&, Reader&) {}
 };
 
 struct PathStart {

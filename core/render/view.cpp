@@ -48,14 +48,7 @@ Filter::Filter(FilterKind kind) : kind_(kind), radius_(radiusOf(kind)) {
     inverse_.back() = radius_;
 }
 
-Point2 Filter::sample(Point2 u) const noexcept {
-    const auto axis = [this](float v) {
-        const float x = v * cells;
-        const int i = std::min(int(x), cells - 1);
-        return inverse_[std::size_t(i)] + (inverse_[std::size_t(i) + 1] - inverse_[std::size_t(i)]) * (x - float(i));
-    };
-    return {axis(u.x), axis(u.y)};
-}
+Point2 Filter::sample(Point2 u) const noexcept { return {offset(u.x), offset(u.y)}; }
 
 double Filter::density(double x) const noexcept {
     // Of the piecewise constant density that sample() draws from.

@@ -15,7 +15,13 @@ public:
     FilterKind kind() const noexcept { return kind_; }
     float radius() const noexcept { return radius_; } // pixels
     Point2 sample(Point2 u) const noexcept;           // offset from the pixel centre
-    double density(double x) const noexcept;          // of one axis
+    // One axis of it, u in [0, 1).
+    [[gnu::always_inline]] float offset(float u) const noexcept {
+        const float x = u * cells;
+        const int i = std::min(int(x), cells - 1);
+        return inverse_[std::size_t(i)] + (inverse_[std::size_t(i) + 1] - inverse_[std::size_t(i)]) * (x - float(i));
+    }
+    double density(double x) const noexcept; // of one axis
 
 private:
     static constexpr int cells = 1024;

@@ -1,7 +1,9 @@
 #include "core/scene/accel.h"
 #include "core/math/sampler.h"
+#include "core/math/wide_isa.h"
 #include "core/render/error.h"
 #include <bit>
+#include <cstring>
 #include <embree3/rtcore.h>
 #include <fmt/format.h>
 #include <map>
@@ -9,7 +11,7 @@
 namespace chiaro {
 namespace {
 
-constexpr std::size_t width = 16;
+constexpr std::size_t width = RayPacket::size;
 
 struct DeviceDeleter {
     void operator()(RTCDevice d) const noexcept { rtcReleaseDevice(d); }
@@ -59,9 +61,13 @@ bool usable(const Ray& r) noexcept {
            finite(r.o) && std::isfinite(r.time);
 }
 
+constexpr uint32_t noLot = ~0u; // in the place of an identity: the ray stops at everything that is there at all
+
 uint32_t identity(const Ray& r) noexcept {
     const auto pair = [](float a, float b) { return uint64_t(std::bit_cast<uint32_t>(a)) << 32 | std::bit_cast<uint32_t>(b); };
-    return uint32_t(hashCombine(hashCombine(pair(r.o.x, r.o.y), pair(r.o.z, r.time)), hashCombine(pair(r.d.x, r.d.y), pair(r.d.z, 0))));
+    const uint32_t id =
+        uint32_t(hashCombine(hashCombine(pair(r.o.x, r.o.y), pair(r.o.z, r.time)), hashCombine(pair(r.d.x, r.d.y), pair(r.d.z, 0))));
+    return id == noLot ? 0 : id;
 }
 
 // The keys as Embree wants them: as decompositions, so that it turns along the great arc as Motion does.
@@ -101,10 +107,11 @@ void filterCutOut(const RTCFilterFunctionNArguments* a) {
         hit.u = RTCHitN_u(a->hit, a->N, i);
         hit.v = RTCHitN_v(a->hit, a->N, i);
         const float opacity = (*cut.opacity)(hit);
-        if (opacity >= 1) continue;
+        const uint32_t id = RTCRayN_id(a->ray, a->N, i);
+        if (opacity >= 1 || (id == noLot && opacity > 0)) continue;
         const uint64_t place = uint64_t(RTCHitN_instID(a->hit, a->N, i, 0)) << 32 | cut.geometry;
-        const uint64_t h = hashCombine(hashCombine(RTCRayN_id(a->ray, a->N, i), place), hit.triangle);
-        if (float(h >> 40) * 0x1p-24f >= opacity) a->valid[i] = 0;
+        const uint64_t h = hashCombine(hashCombine(id, place), hit.triangle);
+        if (id == noLot || float(h >> 40) * 0x1p-24f >= opacity) a->valid[i] = 0;
     }
 }
 
@@ -153,6 +160,16 @@ struct Accel::Impl {
         rtcAttachGeometryByID(top.get(), handle.get(), id);
     }
     uint32_t rayId(const Ray& r) const noexcept { return cutOuts.empty() ? 0 : identity(r); }
+    Hit nearest(const Ray& r, float time, uint32_t id) const noexcept {
+        if (!usable(r)) return {};
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        RTCRayHit q;
+        q.ray = {r.o.x, r.o.y, r.o.z, r.tnear, r.d.x, r.d.y, r.d.z, time, r.tfar, ~0u, id, 0};
+        q.hit.geomID = q.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+        rtcIntersect1(top.get(), &context, &q);
+        return decode(q.hit.geomID, q.hit.primID, q.hit.instID[0], q.hit.u, q.hit.v, q.ray.tfar);
+    }
     Hit decode(uint32_t geomId, uint32_t primId, uint32_t instId, float u, float v, float t) const noexcept {
         if (geomId == RTC_INVALID_GEOMETRY_ID) return {};
         if (instId == RTC_INVALID_GEOMETRY_ID) return {geomId, primId, Hit::none, u, v, t};
@@ -191,16 +208,8 @@ Accel::~Accel() = default;
 
 std::string Accel::version() { return RTC_VERSION_STRING; }
 
-Hit Accel::intersect(const Ray& r) const noexcept {
-    if (!usable(r)) return {};
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    RTCRayHit q;
-    q.ray = {r.o.x, r.o.y, r.o.z, r.tnear, r.d.x, r.d.y, r.d.z, clock_.share(r.time), r.tfar, ~0u, impl_->rayId(r), 0};
-    q.hit.geomID = q.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(impl_->top.get(), &context, &q);
-    return impl_->decode(q.hit.geomID, q.hit.primID, q.hit.instID[0], q.hit.u, q.hit.v, q.ray.tfar);
-}
+Hit Accel::intersect(const Ray& r) const noexcept { return impl_->nearest(r, clock_.share(r.time), impl_->rayId(r)); }
+Hit Accel::firstSurface(const Ray& r) const noexcept { return impl_->nearest(r, clock_.share(r.time), noLot); }
 
 bool Accel::occluded(const Ray& r) const noexcept {
     if (!usable(r)) return true;
@@ -213,53 +222,86 @@ bool Accel::occluded(const Ray& r) const noexcept {
 
 namespace {
 
-// Fills lane k of a packet; false leaves the lane out.
-bool put(RTCRay16& q, std::size_t k, const Ray& r, const ShutterClock& clock, uint32_t id) noexcept {
-    q.org_x[k] = r.o.x;
-    q.org_y[k] = r.o.y;
-    q.org_z[k] = r.o.z;
-    q.tnear[k] = r.tnear;
-    q.dir_x[k] = r.d.x;
-    q.dir_y[k] = r.d.y;
-    q.dir_z[k] = r.d.z;
-    q.time[k] = clock.share(r.time);
-    q.tfar[k] = r.tfar;
-    q.mask[k] = ~0u;
-    q.id[k] = id;
-    q.flags[k] = 0;
-    return usable(r);
+// Embree's packet and which of its lanes count. Lanes beyond `count` and rays that Embree could not bear are left out.
+[[gnu::always_inline]] inline void fillLanes(RTCRay16& q, int (&valid)[width], const RayPacket& r, uint32_t count,
+                                             const ShutterClock& clock) noexcept {
+    constexpr float far = 1e18f;
+    const auto copy = [](float* to, const float* from) { std::memcpy(to, from, width * sizeof(float)); };
+    copy(q.org_x, r.ox), copy(q.org_y, r.oy), copy(q.org_z, r.oz), copy(q.tnear, r.tnear);
+    copy(q.dir_x, r.dx), copy(q.dir_y, r.dy), copy(q.dir_z, r.dz), copy(q.tfar, r.tfar);
+    const float *const ox = r.ox, *const oy = r.oy, *const oz = r.oz, *const dx = r.dx, *const dy = r.dy, *const dz = r.dz,
+                       *const tnear = r.tnear, *const tfar = r.tfar, *const time = r.time;
+    for (uint32_t k = 0; k < width; ++k) {
+        // usable(), without branches: a comparison with NaN is false.
+        const bool good = (std::fabs(ox[k]) < far) & (std::fabs(oy[k]) < far) & (std::fabs(oz[k]) < far) & (std::fabs(dx[k]) <= 1.001f) &
+                          (std::fabs(dy[k]) <= 1.001f) & (std::fabs(dz[k]) <= 1.001f) & (tnear[k] >= 0) & (tnear[k] < infinity) &
+                          (tnear[k] <= tfar[k]) & (std::fabs(time[k]) < infinity) & (k < count);
+        valid[k] = good ? -1 : 0;
+    }
+    for (uint32_t k = 0; k < width; ++k) q.time[k] = clock.share(time[k]);
+    for (uint32_t k = 0; k < width; ++k) q.mask[k] = ~0u;
+    for (uint32_t k = 0; k < width; ++k) q.id[k] = q.flags[k] = 0;
+}
+void fillBaseline(RTCRay16& q, int (&valid)[width], const RayPacket& r, uint32_t count, const ShutterClock& clock) noexcept {
+    fillLanes(q, valid, r, count, clock);
+}
+CHIARO_TARGET_AVX2 void fillAvx2(RTCRay16& q, int (&valid)[width], const RayPacket& r, uint32_t count, const ShutterClock& clock) noexcept {
+    fillLanes(q, valid, r, count, clock);
+}
+CHIARO_TARGET_AVX512 void fillAvx512(RTCRay16& q, int (&valid)[width], const RayPacket& r, uint32_t count,
+                                     const ShutterClock& clock) noexcept {
+    fillLanes(q, valid, r, count, clock);
+}
+void fill(RTCRay16& q, int (&valid)[width], const RayPacket& r, std::size_t count, const ShutterClock& clock) noexcept {
+    static auto* const chosen = widest(fillBaseline, fillAvx2, fillAvx512);
+    chosen(q, valid, r, uint32_t(count), clock);
 }
 
 } // namespace
 
-void Accel::intersect(std::span<const Ray> rays, std::span<Hit> hits, bool coherent) const noexcept {
+void Accel::intersect(const RayPacket& rays, std::span<Hit> hits, bool coherent) const noexcept {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     if (coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    alignas(64) RTCRayHit16 q;
+    alignas(64) int valid[width];
+    fill(q.ray, valid, rays, hits.size(), clock_);
+    if (!impl_->cutOuts.empty())
+        for (std::size_t k = 0; k < hits.size(); ++k) q.ray.id[k] = identity(rays.ray(k));
+    std::memset(q.hit.geomID, 0xff, sizeof q.hit.geomID);
+    std::memset(q.hit.instID, 0xff, sizeof q.hit.instID);
+    rtcIntersect16(valid, impl_->top.get(), &context, &q);
+    for (std::size_t k = 0; k < hits.size(); ++k)
+        hits[k] = impl_->decode(q.hit.geomID[k], q.hit.primID[k], q.hit.instID[0][k], q.hit.u[k], q.hit.v[k], q.ray.tfar[k]);
+}
+
+void Accel::intersect(std::span<const Ray> rays, std::span<Hit> hits, bool coherent) const noexcept {
     for (std::size_t first = 0; first < rays.size(); first += width) {
         const std::size_t n = std::min(width, rays.size() - first);
-        alignas(64) RTCRayHit16 q;
-        alignas(64) int valid[width] = {};
-        for (std::size_t k = 0; k < n; ++k) {
-            valid[k] = put(q.ray, k, rays[first + k], clock_, impl_->rayId(rays[first + k])) ? -1 : 0;
-            q.hit.geomID[k] = q.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
-        }
-        rtcIntersect16(valid, impl_->top.get(), &context, &q);
-        for (std::size_t k = 0; k < n; ++k)
-            hits[first + k] = impl_->decode(q.hit.geomID[k], q.hit.primID[k], q.hit.instID[0][k], q.hit.u[k], q.hit.v[k], q.ray.tfar[k]);
+        RayPacket packet{};
+        for (std::size_t k = 0; k < n; ++k) packet.set(k, rays[first + k]);
+        intersect(packet, hits.subspan(first, n), coherent);
     }
 }
 
-void Accel::occluded(std::span<const Ray> rays, std::span<uint8_t> answers) const noexcept {
+void Accel::occluded(const RayPacket& rays, std::span<uint8_t> answers) const noexcept {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
+    alignas(64) RTCRay16 q;
+    alignas(64) int valid[width];
+    fill(q, valid, rays, answers.size(), clock_);
+    if (!impl_->cutOuts.empty())
+        for (std::size_t k = 0; k < answers.size(); ++k) q.id[k] = identity(rays.ray(k));
+    rtcOccluded16(valid, impl_->top.get(), &context, &q);
+    for (std::size_t k = 0; k < answers.size(); ++k) answers[k] = valid[k] == 0 || q.tfar[k] < 0;
+}
+
+void Accel::occluded(std::span<const Ray> rays, std::span<uint8_t> answers) const noexcept {
     for (std::size_t first = 0; first < rays.size(); first += width) {
         const std::size_t n = std::min(width, rays.size() - first);
-        alignas(64) RTCRay16 q;
-        alignas(64) int valid[width] = {};
-        for (std::size_t k = 0; k < n; ++k) valid[k] = put(q, k, rays[first + k], clock_, impl_->rayId(rays[first + k])) ? -1 : 0;
-        rtcOccluded16(valid, impl_->top.get(), &context, &q);
-        for (std::size_t k = 0; k < n; ++k) answers[first + k] = valid[k] == 0 || q.tfar[k] < 0;
+        RayPacket packet{};
+        for (std::size_t k = 0; k < n; ++k) packet.set(k, rays[first + k]);
+        occluded(packet, answers.subspan(first, n));
     }
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 #include "core/math/ray.h"
 #include "core/scene/motion.h"
+#include "core/scene/ray_packet.h"
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -50,8 +51,12 @@ public:
     ~Accel();
     Hit intersect(const Ray&) const noexcept;
     void intersect(std::span<const Ray>, std::span<Hit>, bool coherent) const noexcept;
+    void intersect(const RayPacket&, std::span<Hit>, bool coherent) const noexcept; // of its first rays, one a hit; 16 at most
+    // The nearest surface of any opacity above zero: nothing passes by lot. For those who weigh what passes themselves.
+    Hit firstSurface(const Ray&) const noexcept;
     bool occluded(const Ray&) const noexcept;
     void occluded(std::span<const Ray>, std::span<uint8_t>) const noexcept;
+    void occluded(const RayPacket&, std::span<uint8_t>) const noexcept;
     const std::string& isa() const noexcept { return isa_; }
     static std::string version(); // of Embree
 

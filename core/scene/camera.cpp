@@ -84,10 +84,10 @@ Camera::Pose Camera::pose(float time) const noexcept {
 // position, as telecentric optics have: the bundle about x, y converges on the plane of focus in position + x right + y up + axis focus.
 Ray Camera::ray(Point2 raster, Point2 lens, float time) const noexcept {
     const Pose c = pose(time);
-    const float x = (2 * raster.x / width_ - 1) * halfX_, y = (1 - 2 * raster.y / height_) * halfY_;
+    const Point2 at = onPlane(raster);
     const bool perspective = projection_ == Projection::perspective;
-    const Vec3 middle = perspective ? c.position : c.position + c.right * x + c.up * y;
-    Vec3 towards = perspective ? c.axis + c.right * x + c.up * y : c.axis; // to the plane at distance 1
+    const Vec3 middle = perspective ? c.position : c.position + c.right * at.x + c.up * at.y;
+    Vec3 towards = perspective ? towardsPlane(c, at) : c.axis; // to the plane at distance 1
     if (lensRadius_ == 0) return {middle, 0, perspective ? normalize(towards) : towards, infinity, time};
     const Point2 l = lensPoint(lens, blades_, lensRotation_);
     const Vec3 from = c.right * (l.x * lensRadius_) + c.up * (l.y * lensRadius_);

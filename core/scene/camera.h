@@ -37,6 +37,12 @@ public:
     // lens: uniform in the unit square, unused by a pinhole. The lens is that of an ideal thin lens: rays of all lens points through one
     // raster position meet on the plane of focus (Cook, Porter, Carpenter 1984).
     Ray ray(Point2 raster, Point2 lens, float time) const noexcept;
+    // A pinhole in perspective that rests: its rays are nothing but arithmetic, for loops over many of them. All begin at position(), in
+    // this direction; the same bits as ray().
+    bool plain() const noexcept { return projection_ == Projection::perspective && !hasLens() && !moves(); }
+    [[gnu::always_inline]] Vec3 plainDirection(Point2 raster) const noexcept {
+        return normalize(towardsPlane({position_, axis_, right_, up_}, onPlane(raster)));
+    }
     // The same pixel seen from a point of the scene, at the point's time; empty: behind the camera.
     std::optional<CameraConnection> importance(const SurfacePoint& from, Point2 lens) const noexcept;
     // Empty: the ray misses the opening, or comes from behind; always so for a pinhole.
@@ -62,6 +68,11 @@ private:
         Vec3 position, axis, right, up;
     };
     Pose pose(float time) const noexcept;
+    // A raster position on the plane at distance 1, and the way there from the middle of a perspective lens.
+    [[gnu::always_inline]] Point2 onPlane(Point2 raster) const noexcept {
+        return {(2 * raster.x / width_ - 1) * halfX_, (1 - 2 * raster.y / height_) * halfY_};
+    }
+    [[gnu::always_inline]] static Vec3 towardsPlane(const Pose& c, Point2 at) noexcept { return c.axis + c.right * at.x + c.up * at.y; }
     Motion motion_; // no keys: at rest
 };
 

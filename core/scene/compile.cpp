@@ -211,16 +211,24 @@ void SceneCompiler::place() {
     std::vector<uint32_t> uses(desc_.meshes.size(), 0);
     for (const InstanceDesc& in : desc_.instances)
         if (invertible(in.toWorld)) uses[in.mesh] += moves(in.motion) ? 2 : 1;
-    const auto bake = [&](PrimitiveDesc p, const InstanceDesc& in) {
+    const auto draw = [&](uint32_t geometry, uint32_t instance, const InstanceDesc& in, std::size_t primitive) {
+        const Geometry& g = scene_->geometries_[geometry];
+        scene_->parts_.push_back(
+            {geometry, instance, g.triangles(), g.material, uint32_t(&in - desc_.instances.data()), uint32_t(primitive)});
+    };
+    const auto bake = [&](const InstanceDesc& in, bool last) { // last: nobody else needs the primitives
         const Affine m = moved(in.toWorld, scene_->centre_);
-        scene_->geometries_.push_back(geometry(p, &m));
+        std::vector<PrimitiveDesc>& primitives = desc_.meshes[in.mesh].primitives;
+        for (std::size_t k = 0; k < primitives.size(); ++k) {
+            PrimitiveDesc p = last ? std::move(primitives[k]) : primitives[k];
+            scene_->geometries_.push_back(geometry(p, &m));
+            draw(uint32_t(scene_->geometries_.size() - 1), Hit::none, in, k);
+        }
     };
     for (const InstanceDesc& in : desc_.instances)
-        if (!invertible(in.toWorld))
-            for (const PrimitiveDesc& p : desc_.meshes[in.mesh].primitives) bake(p, in);
+        if (!invertible(in.toWorld)) bake(in, false);
     for (const InstanceDesc& in : desc_.instances)
-        if (uses[in.mesh] == 1 && invertible(in.toWorld))
-            for (PrimitiveDesc& p : desc_.meshes[in.mesh].primitives) bake(std::move(p), in);
+        if (uses[in.mesh] == 1 && invertible(in.toWorld)) bake(in, true);
     top_ = scene_->geometries_.size();
     std::vector<uint32_t> first(desc_.meshes.size(), 0);
     for (std::size_t i = 0; i < desc_.meshes.size(); ++i) {
@@ -238,6 +246,7 @@ void SceneCompiler::place() {
         instance.firstLights.assign(instance.geometryCount, Lights::none);
         instance.flipped = m.determinant() < 0;
         if (moves(in.motion)) instance.motion = addMotion(in.motion);
+        for (uint32_t k = 0; k < instance.geometryCount; ++k) draw(instance.firstGeometry + k, uint32_t(scene_->instances_.size()), in, k);
         scene_->instances_.push_back(std::move(instance));
     }
     SceneCounts& n = scene_->counts_;

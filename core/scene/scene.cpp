@@ -1,6 +1,7 @@
 #include "core/scene/scene.h"
 #include "core/render/fault.h"
 #include "core/scene/accel.h"
+#include "core/scene/surface_math.h"
 
 namespace chiaro {
 namespace {
@@ -16,15 +17,6 @@ template <class T> T interpolate(const std::vector<T>& values, std::span<const u
         return {a.x * w + b.x * u + c.x * v, a.y * w + b.y * u + c.y * v};
 }
 
-Vec3 unitOr(const Vec3& v, const Vec3& otherwise) noexcept {
-    const float l = lengthSquared(v);
-    return l > 0 && std::isfinite(l) ? v * (1 / std::sqrt(l)) : otherwise;
-}
-
-// Of positions made from coordinates of this magnitude: the sums of barycentric interpolation and of Embree's edge tests, with room for the
-// affine map of an instance (Higham's gamma_n with n = 8; Pharr, Jakob, Humphreys 2016, section 3.9).
-constexpr float gamma8 = 8 * 0x1p-24f / (1 - 8 * 0x1p-24f);
-
 // Partial derivatives of the position by (u, v) from one triangle's corners.
 void derivatives(const Vec3& e1, const Vec3& e2, Point2 a, Point2 b, Point2 c, Vec3& dpdu, Vec3& dpdv) noexcept {
     const float du1 = b.x - a.x, dv1 = b.y - a.y, du2 = c.x - a.x, dv2 = c.y - a.y, det = du1 * dv2 - dv1 * du2;
@@ -33,20 +25,10 @@ void derivatives(const Vec3& e1, const Vec3& e2, Point2 a, Point2 b, Point2 c, V
     dpdv = (e2 * du1 - e1 * du2) * (1 / det);
 }
 
-// A hit on the very edge of its triangle may be rounded to the far side of the wall that it meets there: a ray from it would begin outside.
-// It is pulled towards the triangle's centre until it lies at least two bounds within, by four bounds at most. e1, e2, doubleArea: world.
-Vec3 inset(const Vec3& p, const Vec3& e1, const Vec3& e2, float doubleArea, float u, float v, float error) noexcept {
-    const float longest = std::sqrt(max(lengthSquared(e1), max(lengthSquared(e2), lengthSquared(e2 - e1)))), height = doubleArea / longest;
-    if (!(min(u, min(v, 1 - u - v)) * height < 2 * error)) return p;
-    const Vec3 way = e1 * (1 / 3.f - u) + e2 * (1 / 3.f - v);
-    const float far = length(way), share = min(1.f, 6 * error / height);
-    return far > 0 ? p + way * min(share, 4 * error / far) : p;
-}
-
 } // namespace
 
 Vec3 SurfacePoint::offset(const Vec3& w) const noexcept {
-    const float reach = fault(Fault::offsetAbsolute) ? 1e-4f : error * (std::fabs(ng.x) + std::fabs(ng.y) + std::fabs(ng.z));
+    const float reach = reachOf(ng, error);
     return p + ng * (dot(w, ng) < 0 ? -reach : reach);
 }
 
@@ -63,8 +45,11 @@ Scene::~Scene() = default;
 
 Hit Scene::intersect(const Ray& r) const noexcept { return accel_->intersect(r); }
 void Scene::intersect(std::span<const Ray> r, std::span<Hit> h, bool coherent) const noexcept { accel_->intersect(r, h, coherent); }
+Hit Scene::firstSurface(const Ray& r) const noexcept { return accel_->firstSurface(r); }
+void Scene::intersect(const RayPacket& r, std::span<Hit> h, bool coherent) const noexcept { accel_->intersect(r, h, coherent); }
 bool Scene::occluded(const Ray& r) const noexcept { return accel_->occluded(r); }
 void Scene::occluded(std::span<const Ray> r, std::span<uint8_t> a) const noexcept { accel_->occluded(r, a); }
+void Scene::occluded(const RayPacket& r, std::span<uint8_t> a) const noexcept { accel_->occluded(r, a); }
 
 SurfacePoint Scene::attributes(const Hit& hit) const noexcept {
     const Geometry& g = geometries_[hit.geometry];
@@ -124,11 +109,27 @@ SurfacePoint Scene::point(const Hit& hit, const Ray& ray) const noexcept {
         if (motion) interpolated = motion->slack() * turned + gamma8 * world;
     }
     s.error = gamma8 * reach + interpolated;
-    s.p = inset(s.p, e1, e2, length(s.ng), hit.u, hit.v, s.error);
+    s.p = inset(s.p, e1, e2, heightOf(e1, e2, length(s.ng)), hit.u, hit.v, s.error);
     s.ng = unitOr(s.ng, Vec3{0, 0, 1});
     s.ns = smooth ? unitOr(s.ns, s.ng) : s.ng;
     if (dot(s.ns, s.ng) < 0) s.ns = -s.ns;
     return s;
+}
+
+std::array<Vec3, 3> Scene::corners(const DrawnPart& part, uint32_t triangle, float time) const noexcept {
+    const Geometry& g = geometries_[part.geometry];
+    const auto i = g.triangle(triangle);
+    std::array<Vec3, 3> at{g.positions[i[0]], g.positions[i[1]], g.positions[i[2]]};
+    if (part.instance == Hit::none) return at;
+    const Instance& in = instances_[part.instance];
+    const AffineT<float> toWorld = in.motion == Hit::none ? in.toWorld : motions_[in.motion].at(time);
+    for (Vec3& p : at) p = toWorld.point(p);
+    return at;
+}
+
+std::array<uint32_t, 3> Scene::vertices(const DrawnPart& part, uint32_t triangle) const noexcept {
+    const auto i = geometries_[part.geometry].triangle(triangle);
+    return {i[0], i[1], i[2]};
 }
 
 Vec4 Scene::sample(const TextureSlot& slot, const SurfacePoint& s, Transfer transfer) const noexcept {

@@ -7,6 +7,7 @@
 #include "core/scene/lights.h"
 #include "core/scene/motion.h"
 #include "core/scene/texture.h"
+#include <array>
 #include <memory>
 #include <span>
 
@@ -14,6 +15,8 @@ namespace chiaro {
 
 class Accel;
 class Diagnostics;
+struct FlatTriangle;
+struct RayPacket;
 struct Geometry;
 struct Instance;
 
@@ -39,6 +42,13 @@ struct SurfacePoint {
     Vec3 offset(const Vec3& w) const noexcept;
 };
 
+// A triangle list as it is drawn: once for each node that draws its mesh. Its triangle i is hit as Hit{geometry, i, instance}.
+struct DrawnPart {
+    uint32_t geometry = 0, instance = Hit::none;
+    uint32_t triangles = 0, material = 0;
+    uint32_t node = 0, primitive = 0; // of the description: instances[node], primitives[primitive] of its mesh
+};
+
 struct SceneCounts {
     uint64_t triangles = 0, trianglesDrawn = 0, instances = 0, emissiveTriangles = 0, punctualLights = 0, emissiveMeshes = 0;
     std::size_t textureBytes = 0;
@@ -54,12 +64,26 @@ public:
     Hit intersect(const Ray&) const noexcept;
     // 16 at a time; coherent: the rays start together and go the same way (camera rays).
     void intersect(std::span<const Ray>, std::span<Hit>, bool coherent) const noexcept;
+    void intersect(const RayPacket&, std::span<Hit>, bool coherent) const noexcept; // core/scene/ray_packet.h
+    // The nearest surface of any opacity above zero, where intersect() passes a surface with probability 1 - opacity.
+    Hit firstSurface(const Ray&) const noexcept;
     bool occluded(const Ray&) const noexcept;
     void occluded(std::span<const Ray>, std::span<uint8_t> answers) const noexcept;
+    void occluded(const RayPacket&, std::span<uint8_t> answers) const noexcept;
 
     SurfacePoint point(const Hit&, const Ray&) const noexcept;
+    // What all points of a triangle share, where it is flat and plain (core/scene/flat_triangle.h); false: ask point().
+    bool flat(const Hit&, FlatTriangle&) const noexcept;
     // Only what a texture look-up needs: UVs, vertex colour, material, light; position and normals stay zero.
     SurfacePoint attributes(const Hit&) const noexcept;
+
+    // Everything that is drawn, for those who divide surfaces (radiosity, light maps) or look for them.
+    std::span<const DrawnPart> parts() const noexcept { return parts_; }
+    // Corners in space at a time, in the order of Hit's u and v: under a mirroring node clockwise seen from the front, whose side ng of
+    // point() tells.
+    std::array<Vec3, 3> corners(const DrawnPart&, uint32_t triangle, float time) const noexcept;
+    // Their numbers among the vertices of the mesh: triangles that share a vertex number share the corner.
+    std::array<uint32_t, 3> vertices(const DrawnPart&, uint32_t triangle) const noexcept;
 
     const MaterialDesc& material(uint32_t id) const noexcept { return materials_[id]; }
     std::span<const MaterialDesc> materials() const noexcept { return materials_; }
@@ -90,6 +114,7 @@ private:
     Lights lights_;
     std::vector<Geometry> geometries_; // those of the top level first, in world space; then those of instanced meshes
     std::vector<Instance> instances_;
+    std::vector<DrawnPart> parts_;
     std::vector<Motion> motions_; // of instances and punctual lights
     Interval shutter_;
     std::unique_ptr<Accel> accel_;

@@ -76,7 +76,10 @@ TEST_SUITE("agree") {
         CHECK(seeds["path"]["reference"] == seeds["path:mis=off"]["reference"]); // one reference for the same paths
         CHECK(seeds["path"]["reference"] != seeds["path:nee=off"]["reference"]); // which cannot find delta lights
         CHECK(seeds["path"]["levels"][0] != seeds["path:nee=off"]["levels"][0]);
-        CHECK(seeds["path"]["levels"][0] != seeds["path"]["reference"]);
+        CHECK(seeds["path"]["levels"][0] != seeds["path"]["reference"]); // with itself there is nothing to share
+        CHECK(seeds["path:mis=off"]["levels"][0] == seeds["path:mis=off"]["reference"]);
+        CHECK(json["integrators"][0]["paired"] == false);
+        CHECK(json["integrators"][2]["paired"] == true);
         for (const char* name : {"path", "path-nee-off", "path-mis-off"}) {
             CHECK(fs::exists(folder / "maps" / (std::string(name) + ".png")));
             const chiaro::Picture map = chiaro::readPicture(folder / "maps" / (std::string(name) + ".exr"));
@@ -86,6 +89,21 @@ TEST_SUITE("agree") {
         }
         const std::string csv = readAll(folder / "out.csv");
         CHECK(std::count(csv.begin(), csv.end(), '\n') == 4);
+    }
+
+    TEST_CASE("where nothing but the points of the pixels is drawn by lot, all noise is shared") {
+        if (absent()) return;
+        const Folder folder;
+        const Outcome o =
+            agree(folder, {"@cornell", "-i", "whitted,raycast", "--size", "24x24", "--spp", "32", "--filter", "box", "--json", "-"});
+        CAPTURE(o.err);
+        CHECK(o.code == 0);
+        for (const Json& i : Json::parse(o.out)["integrators"]) {
+            CHECK(i["verdict"] == "agrees");
+            CHECK(i["sharedNoise"].get<double>() > 0.999);
+            CHECK(std::abs(i["bias"]["Y"]["relative"].get<double>()) < 1e-5);
+            CHECK(i["resolution"].get<double>() > 0);
+        }
     }
 
     TEST_CASE("the same command gives the same numbers, another seed others, threads none") {

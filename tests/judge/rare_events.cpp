@@ -68,6 +68,39 @@ TEST_SUITE("rare-events") {
         CHECK(halved == 20);
         CHECK(corner == 20);
     }
+    TEST_CASE("rare events on much ordinary light: pixels that have met too few look well known, and are no difference") {
+        // Light of 1 with 1 % of noise; on it three events of 1/32 a pixel, in the mean of all replicates, or their expectation.
+        const auto lit = [](uint64_t seed, double chance, float rest) {
+            std::mt19937_64 random(seed);
+            std::bernoulli_distribution event(chance);
+            std::normal_distribution<float> noise(1, 0.01f);
+            Replicates out(side, side);
+            for (uint32_t r = 0; r < replicates; ++r) {
+                Picture p{side, side, {}, {}, "lit", {}};
+                for (uint32_t i = 0; i < side * side; ++i)
+                    p.rgb.insert(p.rgb.end(), 3, noise(random) + rest + (event(random) ? 0.5f : 0.f));
+                out.add(p);
+            }
+            return out;
+        };
+        constexpr double chance = 3. / replicates;
+        int alarms = 0, blind = 0, halved = 0;
+        const std::vector<uint8_t> none(36, 0);
+        for (uint64_t seed = 1; seed <= 50; ++seed) {
+            const Replicates rare = lit(seed, chance, 0), even = lit(1000 + seed, 0, float(0.5 * chance));
+            alarms += wrong(rare, even) + wrong(even, rare);
+            Evidence a = rare.evidence(none), b = even.evidence(none);
+            a.events.clear();
+            b.events.clear();
+            blind += decide(a, b, {}).pixels.significant();
+            halved += wrong(lit(2000 + seed, chance / 2, 0), even);
+        }
+        CHECK(alarms <= 1); // of 100 at 0.001
+        CHECK(blind == 50); // without the height of events
+        CHECK(halved == 50);
+        const std::vector<double> heights = lit(1, chance, 0).evidence(none).events;
+        for (const double h : heights) CHECK(h == doctest::Approx(0.5 / replicates * (1 - 2 * chance)).epsilon(0.3));
+    }
     TEST_CASE("the floor is the height of an event times the mean") {
         Evidence a = rare(7, rate).evidence(std::vector<uint8_t>(36, 0)), b = even(8).evidence(std::vector<uint8_t>(36, 0));
         floorRareEvents(a, b);

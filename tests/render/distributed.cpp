@@ -202,7 +202,9 @@ TEST_SUITE("distributed") {
     TEST_CASE("ambient light is a constant on the diffuse part, and a pre-pass replaces it") {
         struct Field final : Prepass {
             void solve(const Work&) override {}
-            void addIndirect(const PathClasses&, const SurfacePoint&, PathState, const Spectrum& weight,
+            void save(Writer&) const override {}
+            void load(const Work&, Reader&) override {}
+            void addIndirect(const PathClasses&, const Hit&, const SurfacePoint&, const Bsdf&, PathState, const Spectrum& weight,
                              Outputs& out) const noexcept override {
                 out.add(otherLayer, weight * 3.f);
             }

@@ -47,6 +47,46 @@ TEST_SUITE("whitted-shadow") {
         checkGrey(floorUnder({film(.5f, Spectrum(1)), film(.8f, Spectrum(1))}, "whitted", 3), .2);
     }
 
+    TEST_CASE("shadow rays through alpha blend keep 1 - alpha, continuous and without dice (J3, J4)") {
+        const auto veil = [](float alpha, float transmission = 0, const Spectrum& colour = Spectrum(1)) {
+            MaterialDesc m = transmission > 0 ? film(transmission, colour) : shapes::diffuse("veil", colour);
+            m.alphaMode = AlphaMode::blend;
+            m.alpha = alpha;
+            return m;
+        };
+        for (float a = 0; a <= 1; a += .125f) checkGrey(floorUnder({veil(a)}), .5 * (1 - double(a)), 1e-5);
+        checkGrey(floorUnder({veil(.25f), veil(.4f)}), .5 * .75 * .6);
+        checkGrey(floorUnder({veil(.25f), shapes::diffuse("wall", Spectrum(1))}), 0);
+        checkGrey(floorUnder({veil(.25f), film(.5f, Spectrum(1))}), .5 * .75 * .5);
+        // Half of it is glass of k_t = .6, its colour times; the other half is not there.
+        checkRgb(floorUnder({veil(.5f, .6f, {1, .5f, 0})}), .5 * (.5 + .3), .5 * (.5 + .15), .5 * .5);
+        // To be covered in part is no scattering: light, D.
+        checkGrey(floorUnder({veil(.25f), veil(.4f)}, "whitted", 1), .5 * .75 * .6);
+        checkGrey(floorUnder({veil(.25f)}, "whitted:shadows=none"), .5);
+        // A mask is all or nothing.
+        MaterialDesc mask = veil(.25f);
+        mask.alphaMode = AlphaMode::mask;
+        checkGrey(floorUnder({mask}), .5);
+        mask.alpha = .75f;
+        checkGrey(floorUnder({mask}), 0);
+    }
+
+    TEST_CASE("alpha blend before the lamp: the mean of the path tracer") {
+        SceneDesc s = litFloor();
+        MaterialDesc veil = shapes::diffuse("veil", Spectrum(.8f));
+        veil.alphaMode = AlphaMode::blend;
+        veil.alpha = .3f;
+        const int material = shapes::add(s, veil);
+        shapes::add(s, "veil", plate({0, .5, 0}, {0, 1, 0}, .3), material);
+        shapes::add(s, "veil", plate({.1, .6, 0}, {0, 1, 0}, .3), material);
+        const auto scene = compiled(std::move(s));
+        const double exact = seen(*scene, slantedOnOrigin(), "whitted")[0];
+        CHECK(exact == doctest::Approx(.5 * .49).epsilon(1e-4));
+        Settings direct{8, 8, 64};
+        direct.maxDepth = 1;
+        checkEqual(measure(*scene, moved(*scene, slantedOnOrigin()), direct, "path"), exact, 0.02);
+    }
+
     TEST_CASE("a solid on the way absorbs by the length inside it (C13)") {
         SceneDesc s = litFloor(2);
         MaterialDesc gel = film(1, Spectrum(1), false);
@@ -126,7 +166,9 @@ TEST_SUITE("whitted-shadow") {
     TEST_CASE("a pre-pass takes the place of the constant, weighted by the way to the eye") {
         struct Field final : Prepass {
             void solve(const Work&) override {}
-            void addIndirect(const PathClasses&, const SurfacePoint&, PathState, const Spectrum& weight,
+            void save(Writer&) const override {}
+            void load(const Work&, Reader&) override {}
+            void addIndirect(const PathClasses&, const Hit&, const SurfacePoint&, const Bsdf&, PathState, const Spectrum& weight,
                              Outputs& out) const noexcept override {
                 out.add(otherLayer, weight * .25f);
             }

@@ -4,6 +4,7 @@
 #include "tools/cli/agree_report.h"
 #include "tools/cli/deliver.h"
 #include "tools/cli/diff.h"
+#include "tools/cli/prepass_solver.h"
 #include "tools/cli/report.h"
 #include "tools/cli/signals.h"
 #include "tools/cli/unseen_paths.h"
@@ -50,20 +51,21 @@ View smallView(const AgreeSettings& s, const LoadedScene& loaded, CameraDesc& ca
     return makeView(sized, loaded, camera, automatic);
 }
 
-void checkMemory(const View& view, const std::vector<Subject>& subjects) {
+void checkMemory(const RenderSettings& settings, const View& view, const std::vector<Subject>& subjects) {
     double sides = double(referenceCount(subjects));
     for (const Subject& s : subjects) sides += double(s.levels.size()) + 1;
     constexpr double bytesAPixel = 40; // of a side: what it accumulates, and its picture of the round
     const FilmLayout layout{.width = view.width, .height = view.height, .crop = view.crop, .layers = {}, .splats = true};
     const double needed = double(layout.bytes()) + sides * bytesAPixel * double(view.crop.area());
-    if (const double physical = double(physicalBytes()); physical > 0 && needed > 0.8 * physical)
-        throw Error(Exit::resources, fmt::format("{}x{} pixels need about {}, this machine has {}. Try a smaller --size.",
-                                                 view.crop.width(), view.crop.height(), memorySize(needed), memorySize(physical)));
+    if (needed > double(memoryLimit(settings)))
+        throw Error(Exit::resources, fmt::format("{}x{} pixels need about {}, {}. Try a smaller --size.", view.crop.width(),
+                                                 view.crop.height(), memorySize(needed), memoryLimitText(settings)));
 }
 
 std::vector<std::string> notesOn(const Subject& s, const Outcome& o, const AgreeRow& row, const Scene& scene, const PathQuery& query) {
     std::vector<std::string> notes;
-    if (const auto unseen = unseenPaths(scene, s.choice, query)) notes.push_back("left out of both sides: " + *unseen);
+    if (const auto unseen = unseenPaths(scene, s.choice, query, s.prepass ? s.prepass->choice() : nullptr))
+        notes.push_back("left out of both sides: " + *unseen);
     if (o.second && !o.second->red())
         notes.push_back(fmt::format("red in the first stage ({}), not in the second", o.first.text));
     else if (o.second)
@@ -93,6 +95,7 @@ std::vector<AgreeRow> rowsOf(const AgreeSettings& s, const std::vector<Subject>&
         row.judgement = o.last();
         row.rule = run.rule;
         row.rule.samplesPerReplicate = stage.spp;
+        row.rule.paired = subjects[i].paired;
         row.samples = double(stage.rounds) * stage.spp;
         row.seconds = stage.trials[i].seconds();
         row.referenceSeconds = reference.seconds;
@@ -124,6 +127,7 @@ Json headJson(const AgreeSettings& s, const View& view, const std::vector<Subjec
               {"scene", s.base.scene.operand},
               {"size", {view.width, view.height}},
               {"window", {view.crop.x0, view.crop.y0, view.crop.width(), view.crop.height()}},
+              {"prepass", s.base.prepass.choice ? Json(prepassRecipe(*s.base.prepass.choice)) : Json(nullptr)},
               {"seed", s.base.seed},
               {"sampler", samplerName(s.base.sampler)},
               {"filter", filterName(s.base.filter)},
@@ -190,7 +194,11 @@ void writeMaps(const AgreeSettings& s, const View& view, const std::vector<Subje
 int agreeScene(const AgreeSettings& s) {
     Console console(s.base.quiet);
     Diagnostics notes;
-    const std::vector<Subject> subjects = makeSubjects(s.integrators, s.base.paths);
+    PrepassSolver prepass(s.base.prepass, s.base.scene);
+    prepass.checkFile();
+    std::vector<Subject> subjects = makeSubjects(s.integrators, s.base.paths, true, prepass.choice());
+    for (Subject& subject : subjects)
+        if (prepassFor(subject.choice, prepass.choice())) subject.prepass = &prepass;
     checkOutputs(s, fileNamesOf(s));
     const Executor executor(s.base.threads);
     tellHeader(s.base, executor, console);
@@ -198,7 +206,7 @@ int agreeScene(const AgreeSettings& s) {
     CameraDesc camera;
     bool automatic = false;
     const View view = smallView(s, loaded, camera, automatic);
-    checkMemory(view, subjects);
+    checkMemory(s.base, view, subjects);
     tellScene(s.base, loaded, automatic ? "auto" : camera.name, console);
     console.warnings(notes);
     console.phase("agree",
@@ -207,10 +215,17 @@ int agreeScene(const AgreeSettings& s) {
                               subjects.size() > 1 ? fmt::format(" ({:g} each)", s.rule.alpha / double(subjects.size())) : std::string(),
                               100 * s.rule.margin, s.base.seed));
 
+    if (prepass.choice())
+        console.phase("prepass", fmt::format("{} for {}{}", prepassRecipe(*prepass.choice()), takersText(s.integrators),
+                                             prepass.kept() ? "; one solution for all replicates: what is random in it counts as bias"
+                                                            : "; a solution for each replicate"));
+
     StopToken stop;
     const StopOnSignal signals(stop);
     ProgressBar progress(s.base.progress, s.base.quiet, infinity);
-    const Job job{{*loaded.scene, s.base.classes, view.shutter, s.base.seed, s.base.sampler, executor, stop, progress, notes}, view};
+    const Job job{
+        {*loaded.scene, s.base.classes, view.shutter, s.base.seed, s.base.sampler, executor, stop, progress, notes, memoryLimit(s.base)},
+        view};
     const AgreeRun run = runStages(s, subjects, job, stop, progress, console);
     progress.clear();
     console.warnings(notes);

@@ -95,6 +95,8 @@ Json agreeJson(const AgreeRow& r) {
     j["nonFinitePixels"] = a.nonFinitePixels;
     j["tilesLeftOut"] = a.tilesLeftOut;
     j["replicates"] = a.replicates;
+    j["paired"] = r.rule.paired;
+    j["sharedNoise"] = number(a.sharedNoise);
     j["samples"] = r.samples;
     j["moreSamples"] = number(r.judgement.moreSamples);
     j["seconds"] = r.seconds;

@@ -23,10 +23,10 @@ double wantedSpp(const std::vector<Subject>& subjects, const Stage& pilot, uint3
     rule.samplesPerReplicate = pilot.spp;
     double most = leastSpp;
     for (std::size_t s = 0; s < subjects.size(); ++s) {
+        rule.paired = subjects[s].paired;
         const judge::Agreement a = judge::agree(pilot.trials[s].limit, pilot.references[subjects[s].reference].replicates, rule);
         if (!std::isfinite(a.resolution)) continue; // black: no number of samples helps
-        const double ratio = a.resolution / rule.margin;
-        most = std::max(most, reserve * ratio * ratio * a.replicates * pilot.spp / replicates);
+        most = std::max(most, reserve * a.neededReplicates * pilot.spp / replicates);
     }
     return most;
 }

@@ -27,6 +27,7 @@ void readScene(const Arguments& a, AgreeSettings& s) {
     s.integrators = a.given("integrator") ? chooseIntegrators(a.text("integrator")) : allLightTransport();
     refuseDebugViews(s.integrators);
     readFrame(a, s.base);
+    requireTaker(s.base.prepass, s.integrators);
     s.base.seed = parseWhole("seed", a.text("seed"), 0, 0x7fffffff); // bits above it part the pictures of one run
     s.replicates = uint32_t(parseWhole("replicates", a.text("replicates"), 2, 1u << 16));
     if (a.given("spp")) s.spp = uint32_t(parseWhole("spp", a.text("spp"), 1, 1u << 24));

@@ -1,6 +1,7 @@
 #include "tools/cli/agree_stage.h"
 #include "tools/cli/agree_settings.h"
 #include "tools/cli/film_picture.h"
+#include "tools/cli/prepass_solver.h"
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -45,10 +46,18 @@ public:
         return job_.seed << 32 | uint64_t(side & 0xff) << 24 | uint64_t(request_.number & 0xf) << 20;
     }
     // Empty: stopped.
-    std::optional<judge::Picture> render(const IntegratorChoice& choice, const PathClasses& classes, uint32_t replicate, Side& side) {
-        const Job job{{job_.scene, classes, job_.shutter, side.firstSeed + replicate, job_.sampler, job_.run, stop_, part_, job_.notes,
-                       job_.memoryLimit},
-                      job_.view};
+    std::optional<judge::Picture> render(const IntegratorChoice& choice, const PathClasses& classes, uint32_t replicate, Side& side,
+                                         PrepassSolver* prepass = nullptr) {
+        const uint64_t number = side.firstSeed + replicate;
+        Diagnostics notes; // every replicate would tell the same choices again
+        SolvedPrepass solved;
+        if (prepass)
+            solved = prepass->solve({job_.scene, classes, job_.shutter, prepass->kept() ? job_.seed : number, job_.sampler, job_.run, stop_,
+                                     part_, notes, job_.memoryLimit});
+        if (prepass && !solved.field) return {};
+        const Job job{{job_.scene, classes, job_.shutter, number, job_.sampler, job_.run, stop_, part_, notes, job_.memoryLimit},
+                      job_.view,
+                      solved.field.get()};
         Film film({.width = job_.view.width,
                    .height = job_.view.height,
                    .crop = job_.view.crop,
@@ -57,7 +66,8 @@ public:
         const auto integrator = choice.entry->make(choice.options);
         const RenderResult result = chiaro::render(job, *integrator, film, {request_.spp, infinity}, stop_);
         if (result.ended == Ended::stopped) return {};
-        side.seconds += result.seconds;
+        for (const std::string& warning : notes.warnings()) job_.notes.warn(warning);
+        side.seconds += result.seconds + (prepass && !prepass->kept() ? solved.seconds : 0);
         side.dropped += film.dropped();
         part_.next(request_.spp);
         return judgedPicture(film, std::string(choice.entry->name));
@@ -96,7 +106,7 @@ bool renderRound(Renderer& renderer, const std::vector<Subject>& subjects, const
         if (!shared) shared = renderer.render(reference, subject.classes, r, stage.references[subject.reference]);
         if (!shared) return false;
         for (std::size_t l = 0; l < subject.levels.size(); ++l) {
-            auto picture = renderer.render(subject.levels[l], subject.classes, r, stage.trials[s].levels[l]);
+            auto picture = renderer.render(subject.levels[l], subject.classes, r, stage.trials[s].levels[l], subject.prepass);
             if (!picture) return false;
             round.subjects[s].push_back(std::move(*picture));
         }
@@ -144,7 +154,8 @@ Stage renderStage(const Job& job, StopToken& stop, const std::vector<Subject>& s
     for (const Subject& s : subjects) {
         stage.trials.push_back({{}, judge::Replicates(width, height)});
         for (std::size_t l = 0; l < s.levels.size(); ++l)
-            stage.trials.back().levels.emplace_back(width, height).firstSeed = renderer.seed(side++);
+            stage.trials.back().levels.emplace_back(width, height).firstSeed =
+                s.paired ? stage.references[s.reference].firstSeed : renderer.seed(side++);
     }
     if (side > 256) throw Error(Exit::usage, "-i: more than 255 pictures a round; name fewer integrators");
 

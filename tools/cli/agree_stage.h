@@ -3,8 +3,11 @@
 // the tests safe for skewed noise. A round that is stopped half way does not count. Integrators that are judged on the same light paths
 // share one reference.
 //
-// Seeds: bits 32 to 62 the user's, 24 to 31 the side, 20 to 23 the stage, 0 to 19 the replicate: no two pictures of a run share one, nor
-// do runs of different seeds. `chiaro render --seed` makes any of them again.
+// Seeds: bits 32 to 62 the user's, 24 to 31 the side, 20 to 23 the stage, 0 to 19 the replicate: runs of different seeds share none, nor do
+// the replicates of one side. `chiaro render --seed` makes any of them again. A pair shares its seed, the reference's: both sides look
+// through the same points of every pixel, and that noise is gone from their difference (common random numbers; Law and Kelton, Simulation
+// Modeling and Analysis, ch. 11). Not paired are the reference's own integrator, which would be compared with itself, and the levels of a
+// method that converges, whose fit wants independent answers.
 #pragma once
 #include "core/render/render.h"
 #include "integrators/registry.h"
@@ -13,6 +16,8 @@
 #include <vector>
 
 namespace chiaro::cli {
+
+class PrepassSolver;
 
 // An integrator on trial.
 struct Subject {
@@ -27,10 +32,13 @@ struct Subject {
     std::vector<double> parameter; // h of each level; empty without a convergence parameter
     std::vector<double> weights;   // of the levels in the limit; {1} without
     bool converging() const noexcept { return !parameter.empty(); }
+    PrepassSolver* prepass = nullptr; // of the field that it renders with; null: none
+    bool paired = false;              // its replicates share their seeds with the reference's
 };
 // query: what the user wants (--paths, --max-depth). Error(Exit::usage) where an integrator sees none of it. limits: whether methods with a
-// convergence parameter are judged in its limit, at several levels, or as they were chosen.
-std::vector<Subject> makeSubjects(const std::vector<IntegratorChoice>&, const PathQuery& query, bool limits = true);
+// convergence parameter are judged in its limit, at several levels, or as they were chosen. prepass: of those that take one; null: none.
+std::vector<Subject> makeSubjects(const std::vector<IntegratorChoice>&, const PathQuery& query, bool limits = true,
+                                  const PrepassChoice* prepass = nullptr);
 std::size_t referenceCount(const std::vector<Subject>&);
 
 // Weights a of least squares without errors: sum a_l y_l is the constant of the fit y = c_0 + sum c_k h^(powers_k).

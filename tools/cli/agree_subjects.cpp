@@ -62,18 +62,21 @@ std::vector<double> limitWeights(const std::vector<double>& h, const std::vector
     return weights;
 }
 
-std::vector<Subject> makeSubjects(const std::vector<IntegratorChoice>& choices, const PathQuery& query, bool limits) {
+std::vector<Subject> makeSubjects(const std::vector<IntegratorChoice>& choices, const PathQuery& query, bool limits,
+                                  const PrepassChoice* prepass) {
     std::vector<Subject> all;
     std::vector<uint64_t> hashes;
+    const std::string reference = integratorRecipe(chooseIntegrator(referenceName));
     for (const IntegratorChoice& choice : choices) {
         Subject s{.choice = choice,
-                  .traits = choice.entry->traits(choice.options),
-                  .name = integratorRecipe(choice),
+                  .traits = traitsWith(choice, prepass),
+                  .name = nameWith(choice, prepass),
                   .judgedOn = {},
                   .classes = PathClasses(),
                   .levels = {},
                   .parameter = {},
-                  .weights = {}};
+                  .weights = {},
+                  .paired = false};
         const PathQuery judged = judgedPaths(s.traits, query);
         s.judgedOn = inWords(judged);
         try {
@@ -85,6 +88,7 @@ std::vector<Subject> makeSubjects(const std::vector<IntegratorChoice>& choices, 
         s.levels = {s.choice};
         s.weights = {1};
         if (limits) addLevels(s);
+        s.paired = limits && !s.converging() && s.name != reference;
         all.push_back(std::move(s));
     }
     return all;

@@ -78,6 +78,7 @@ Judgement judgeEvidence(const Traits& traits, const judge::Evidence& test, const
 }
 
 Judgement judgeTrial(const Subject& subject, const Trial& trial, const judge::Replicates& reference, AgreementSettings s) {
+    s.paired = subject.paired;
     Judgement j = judgement(judge::agree(trial.limit, reference, s), s);
     if (subject.traits.unbiased) return j;
     if (subject.converging()) j.limit = limitOf(subject, trial, reference, s.alpha);

@@ -64,14 +64,17 @@ int runCompare(const Arguments&);
 int runDiff(const Arguments&);
 int runAgree(const Arguments&);
 int runTrace(const Arguments&);
+int runBake(const Arguments&);
 int runScenes(const Arguments&);
 int runIntegrators(const Arguments&);
+int runBench(const Arguments&);
 int runDoctor(const Arguments&);
 int runHelp(const Arguments&);
 std::span<const OptionRow> renderOptions();
 std::span<const OptionRow> infoOptions();
 std::string diffNotes();
 std::string agreeNotes();
+std::string benchNotes();
 std::string compareNotes();
 
 std::string commandHelp(const Command&);

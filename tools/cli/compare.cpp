@@ -18,15 +18,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void checkMemory(const std::vector<Contestant>& contestants, const View& view) {
-    const double physical = double(physicalBytes()), needed = bytesNeeded(contestants, view);
-    constexpr double share = 0.8; // the rest is for the scene and the system
-    if (physical == 0 || needed <= share * physical) return;
-    const double scale = std::sqrt(share * physical / needed) * 0.9;
+void checkMemory(const RenderSettings& s, const std::vector<Contestant>& contestants, const View& view) {
+    const double limit = double(memoryLimit(s)), needed = bytesNeeded(contestants, view);
+    if (needed <= limit) return;
+    const double scale = std::sqrt(limit / needed) * 0.9;
     throw Error(Exit::resources,
-                fmt::format("{} pictures of {}x{} need about {}, this machine has {}. Try --size {}x{}, fewer integrators, or "
+                fmt::format("{} pictures of {}x{} need about {}, {}. Try --size {}x{}, fewer integrators, or "
                             "--crop.",
-                            contestants.size(), view.crop.width(), view.crop.height(), memorySize(needed), memorySize(physical),
+                            contestants.size(), view.crop.width(), view.crop.height(), memorySize(needed), memoryLimitText(s),
                             std::max(1, int(view.width * scale)), std::max(1, int(view.height * scale))));
 }
 
@@ -48,6 +47,11 @@ Json headOf(const CompareSettings& s, const Comparison& c, bool stopped, int cod
                              {"cache", c.reference->file().string()}};
     else if (c.files.reference)
         head["reference"] = {{"file", c.files.reference->file}, {"errors", !c.files.reference->picture.error.empty()}};
+    head["prepass"] = s.base.prepass.choice ? Json(prepassRecipe(*s.base.prepass.choice)) : Json(nullptr);
+    head["facts"] = Json::array();
+    for (const Contestant& x : c.contestants)
+        for (const Diagnostics::Fact& f : x.facts)
+            head["facts"].push_back({{"integrator", x.name}, {"subject", f.subject}, {"message", f.message}});
     head["stopped"] = stopped;
     head["exitCode"] = code;
     return head;
@@ -106,7 +110,7 @@ int compareScene(const CompareSettings& s, const DisplayTransform& display, Diag
     unsplit.split.clear();
     c.classes = PathClasses::make(unsplit);
     c.contestants = contestantsOf(s, *loaded.scene, view, c.judged);
-    checkMemory(c.contestants, view);
+    checkMemory(s.base, c.contestants, view);
     prepareFolder(s, c.contestants);
     const std::string cameraName = automatic ? "auto" : camera.name;
     tellScene(s.base, loaded, cameraName, console);
@@ -115,7 +119,9 @@ int compareScene(const CompareSettings& s, const DisplayTransform& display, Diag
     StopToken stop;
     const StopOnSignal signals(stop);
     Progress silent;
-    const Job job{{*loaded.scene, c.classes, view.shutter, s.base.seed, s.base.sampler, run, stop, silent, notes}, view, nullptr};
+    const Job job{{*loaded.scene, c.classes, view.shutter, s.base.seed, s.base.sampler, run, stop, silent, notes, memoryLimit(s.base)},
+                  view,
+                  nullptr};
     runComparison(s, job, stop, c, console);
     const bool any = std::any_of(c.contestants.begin(), c.contestants.end(), [](const Contestant& x) { return x.film != nullptr; });
     if (stop.cancelled() && !any && c.files.pictures.empty()) {

@@ -14,7 +14,7 @@
 namespace chiaro::cli {
 namespace {
 
-constexpr std::string_view magic = "chiaro reference 1\n";
+constexpr std::string_view magic = "chiaro reference 2\n";
 
 template <class T> void put(std::string& out, std::span<const T> values) {
     out.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
@@ -76,6 +76,7 @@ void ReferenceSums::write(const std::filesystem::path& file, const std::string& 
     put<uint8_t>(out, state.bad);
     putFloats(out, state.mean);
     putFloats(out, state.m2);
+    putFloats(out, state.m3);
     for (const auto& replicate : state.sums) put<std::array<double, judge::meanCount>>(out, replicate);
     const uint64_t sum = checksum(out);
     put<uint64_t>(out, {&sum, 1});
@@ -105,6 +106,7 @@ ReferenceSums ReferenceSums::read(const std::filesystem::path& file, const std::
     state.bad = in.values<uint8_t>(pixels);
     state.mean = doubles(in.values<float>(pixels));
     state.m2 = doubles(in.values<float>(pixels));
+    state.m3 = doubles(in.values<float>(pixels));
     for (uint32_t r = 0; r < head.value("replicas", 0u); ++r) state.sums.push_back(in.values<std::array<double, judge::meanCount>>(tiles));
     if (!in.empty()) throw Error(Exit::file, "it is longer than it should be");
     sums.luminance_.restore(std::move(state));

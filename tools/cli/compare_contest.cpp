@@ -1,6 +1,7 @@
 #include "tools/cli/compare_contest.h"
 #include "core/math/vec.h"
 #include "tools/cli/film_picture.h"
+#include "tools/cli/prepared_once.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -8,32 +9,9 @@
 namespace chiaro::cli {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-double secondsSince(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
-
 constexpr double pictureBytes = 1e9;                // of all seeds' pictures together
 constexpr uint32_t leastSeeds = 4, fewestSeeds = 2; // by half of the time; by all of it
 constexpr double leastPrepass = 1e-4;               // seconds; below, there is none
-
-// Prepares once, however often the driver is called, and knows how long that took.
-class PreparedOnce : public Integrator {
-public:
-    explicit PreparedOnce(std::unique_ptr<Integrator> inner) : inner_(std::move(inner)) {}
-    void prepare(const Job& job) override {
-        if (prepared_) return;
-        const auto begin = Clock::now();
-        inner_->prepare(job);
-        seconds_ = secondsSince(begin);
-        prepared_ = true;
-    }
-    void render(const Job& job, const Pass& pass, Film& film) override { inner_->render(job, pass, film); }
-    double seconds() const noexcept { return seconds_; }
-
-private:
-    std::unique_ptr<Integrator> inner_;
-    bool prepared_ = false;
-    double seconds_ = 0;
-};
 
 double samplesOf(const Film& film) {
     const Rect& r = film.layout().crop;
@@ -53,9 +31,9 @@ uint32_t nextLook(const Film& film, double noise) {
 
 } // namespace
 
-Contestant::Contestant(IntegratorChoice c, PathClasses paths, const View& view)
-    : choice(std::move(c)), traits(choice.entry->traits(choice.options)), name(integratorRecipe(choice)), file(fileName(choice) + ".exr"),
-      classes(std::move(paths)), judged(view.crop.width(), view.crop.height()) {}
+Contestant::Contestant(IntegratorChoice c, PathClasses paths, const View& view, const PrepassChoice* before)
+    : choice(std::move(c)), prepass(prepassFor(choice, before)), traits(traitsWith(choice, prepass)), name(nameWith(choice, prepass)),
+      file(fileName(choice, prepass) + ".exr"), classes(std::move(paths)), judged(view.crop.width(), view.crop.height()) {}
 
 double Contestant::seconds() const noexcept {
     double sum = 0;
@@ -88,46 +66,64 @@ double bytesNeeded(const std::vector<Contestant>& all, const View& view) {
            ofReference * double(view.crop.area());
 }
 
-Contest::Contest(const CompareSettings& s, const Job& job, StopToken& stop, std::vector<Contestant>& all)
-    : s_(s), job_(job), stop_(stop), all_(all), seeds_(s.seeds.value_or(standardSeeds)) {
+Contest::Contest(const CompareSettings& s, const Job& job, StopToken& stop, std::vector<Contestant>& all, PrepassSolver& prepasses)
+    : s_(s), job_(job), stop_(stop), all_(all), prepasses_(prepasses), seeds_(s.seeds.value_or(standardSeeds)) {
     if (s.equal == Equal::spp) seeds_ = std::min(seeds_, s.spp);
+}
+
+SolvedPrepass Contest::solve(const Contestant& c, uint64_t seed, Progress& progress, Diagnostics& notes) {
+    if (!c.prepass) return {};
+    return prepasses_.solve({job_.scene, c.classes, job_.shutter, prepasses_.kept() ? s_.base.seed : seed, job_.sampler, job_.run, stop_,
+                             progress, notes, job_.memoryLimit});
 }
 
 void Contest::pilot() {
     Progress silent;
-    for (Contestant& c : all_) {
-        if (stop_.cancelled()) return;
-        const Job job{{job_.scene, c.classes, job_.shutter, uint64_t(1) << 61, job_.sampler, job_.run, job_.stop, silent, job_.notes,
-                       job_.memoryLimit},
-                      job_.view,
-                      nullptr};
-        const auto integrator = c.choice.entry->make(c.choice.options);
-        const uint32_t spp = s_.equal == Equal::noise ? 2 : 1;
-        // A disturbance of the machine must not cost seeds: what seems too slow for the fewest wanted is measured once more.
-        for (int tries = 0; tries < 2; ++tries) {
-            Film film(c.layout(job_.view));
-            const double seconds = chiaro::render(job, *integrator, film, {spp, infinity}, stop_).seconds / spp;
-            c.pilotSeconds = tries == 0 ? seconds : std::min(c.pilotSeconds, seconds);
-            if (s_.equal == Equal::noise && std::isfinite(film.noise())) pilotNoise_ = std::max(pilotNoise_, film.noise());
-            if (s_.equal != Equal::time || c.pilotSeconds * leastSeeds <= s_.seconds || stop_.cancelled()) break;
-        }
+    for (Contestant& c : all_)
+        if (!stop_.cancelled()) pilot(c, silent);
+}
+
+void Contest::pilot(Contestant& c, Progress& progress) {
+    constexpr uint64_t seed = uint64_t(1) << 61;
+    Diagnostics untold; // the seeds that count will say it again
+    const SolvedPrepass solved = solve(c, seed, progress, untold);
+    if (c.prepass && !solved.field) return;
+    c.sharedPrepass = prepasses_.kept() ? solved.seconds : 0;
+    const Job job{{job_.scene, c.classes, job_.shutter, seed, job_.sampler, job_.run, job_.stop, progress, untold, job_.memoryLimit},
+                  job_.view,
+                  solved.field.get()};
+    const uint32_t spp = s_.equal == Equal::noise ? 2 : 1;
+    // A disturbance of the machine must not cost seeds: what seems too slow for the fewest wanted is measured once more.
+    for (int tries = 0; tries < 2; ++tries) {
+        PreparedOnce integrator(c.choice.entry->make(c.choice.options));
+        Film film(c.layout(job_.view));
+        const double all = chiaro::render(job, integrator, film, {spp, infinity}, stop_).seconds;
+        const double before = integrator.seconds() + solved.seconds - c.sharedPrepass;
+        const double seconds = before + (all - integrator.seconds()) / spp;
+        if (tries == 0 || seconds < c.pilotSeconds) c.pilotSeconds = seconds, c.pilotPrepass = before;
+        if (s_.equal == Equal::noise && std::isfinite(film.noise())) pilotNoise_ = std::max(pilotNoise_, film.noise());
+        if (s_.equal != Equal::time || c.pilotSeconds * leastSeeds <= s_.seconds || stop_.cancelled()) break;
     }
 }
 
 uint32_t Contest::chooseSeeds(Diagnostics& notes) {
     if (s_.equal != Equal::time) return seeds_;
-    double slowest = 0;
-    std::string name;
+    // Of its time, what one seed takes at least.
+    const auto share = [&](const Contestant& c) { return c.pilotSeconds / std::max(s_.seconds - c.sharedPrepass, 1e-9); };
+    const Contestant* slowest = nullptr;
     for (const Contestant& c : all_)
-        if (c.pilotSeconds > slowest) slowest = c.pilotSeconds, name = c.name;
+        if (!slowest || share(c) > share(*slowest)) slowest = &c;
+    if (!slowest) return seeds_;
+    const double least = share(*slowest);
     // Each seed takes at least one sample; half of the time at most may go into these.
-    if (!s_.seeds) seeds_ = uint32_t(std::clamp(0.5 * s_.seconds / std::max(slowest, 1e-9), double(leastSeeds), double(standardSeeds)));
-    if (!s_.seeds && slowest * seeds_ > s_.seconds) seeds_ = fewestSeeds;
-    if (slowest * seeds_ > s_.seconds)
-        notes.warn(
-            fmt::format("{} needs about {:.1f} s for one sample a pixel with each of {} seeds, more than --time {:g}s: the times will not "
-                        "be equal. Give more --time, fewer --seeds or a smaller --size",
-                        name, slowest * seeds_, seeds_, s_.seconds));
+    if (!s_.seeds) seeds_ = uint32_t(std::clamp(0.5 / std::max(least, 1e-9), double(leastSeeds), double(standardSeeds)));
+    if (!s_.seeds && least * seeds_ > 1) seeds_ = fewestSeeds;
+    if (least * seeds_ > 1)
+        notes.warn(fmt::format(
+            "{} needs about {:.1f} s for one sample a pixel with each of {} seeds{}, more than --time {:g}s: the times will not "
+            "be equal. Give more --time, fewer --seeds or a smaller --size",
+            slowest->name, slowest->sharedPrepass + slowest->pilotSeconds * seeds_, seeds_,
+            slowest->sharedPrepass + slowest->pilotPrepass > leastPrepass ? ", its pre-pass included" : "", s_.seconds));
     return seeds_;
 }
 
@@ -141,9 +137,10 @@ Course::Part Contest::planned() const {
     for (const Contestant& c : all_) {
         part.samples += s_.spp;
         const double squared = pilotNoise_ / s_.noise * (pilotNoise_ / s_.noise);
+        const double perSample = c.pilotSeconds - c.pilotPrepass, before = c.sharedPrepass + seeds_ * c.pilotPrepass;
         part.seconds += s_.equal == Equal::time  ? s_.seconds
-                        : s_.equal == Equal::spp ? s_.spp * c.pilotSeconds
-                                                 : std::min(s_.seconds, 2 * c.pilotSeconds * std::max(1.0, squared));
+                        : s_.equal == Equal::spp ? before + s_.spp * perSample
+                                                 : std::min(s_.seconds, before + 2 * perSample * std::max(1.0, squared));
     }
     return part;
 }
@@ -178,12 +175,16 @@ void Contest::run(Course& course, const MeasureError& measure) {
 
 void Contest::renderSeed(Contestant& c, uint64_t seed, const Limit& limit, Course& course, const MeasureError& measure) {
     auto film = std::make_unique<Film>(c.layout(job_.view));
-    const Job job{{job_.scene, c.classes, job_.shutter, seed, job_.sampler, job_.run, job_.stop, course, job_.notes, job_.memoryLimit},
+    Diagnostics notes; // its facts are this seed's
+    const SolvedPrepass solved = solve(c, seed, course, notes);
+    if (c.prepass && !solved.field) return;
+    const Job job{{job_.scene, c.classes, job_.shutter, seed, job_.sampler, job_.run, job_.stop, course, notes, job_.memoryLimit},
                   job_.view,
-                  nullptr};
+                  solved.field.get()};
     PreparedOnce integrator(c.choice.entry->make(c.choice.options));
     SeedRun run;
     run.seed = seed;
+    run.seconds = run.prepassSeconds = prepasses_.kept() ? solved.seconds / seeds_ : solved.seconds;
     for (bool more = true; more;) {
         const uint32_t target = std::min(limit.spp, nextLook(*film, limit.noise));
         const RenderResult result = chiaro::render(job, integrator, *film, {target, limit.seconds - run.seconds}, stop_);
@@ -198,7 +199,12 @@ void Contest::renderSeed(Contestant& c, uint64_t seed, const Limit& limit, Cours
             run.snapshots.push_back({run.seconds, double(film->done()), measure(judgedPicture(*film, c.name))});
     }
     run.whole = !stop_.cancelled() && film->done() > 0;
-    if (integrator.seconds() > leastPrepass) run.prepassSeconds = integrator.seconds();
+    if (integrator.seconds() > leastPrepass) run.prepassSeconds += integrator.seconds();
+    for (const std::string& warning : notes.warnings()) job_.notes.warn(warning);
+    if (c.runs.empty()) {
+        c.facts = solved.facts;
+        for (const Diagnostics::Fact& f : notes.facts()) c.facts.push_back(f);
+    }
     if (limit.noise > 0 && film->noise() > 1.1 * limit.noise) c.reached = false;
     run.picture = judgedPicture(*film, c.name);
     run.mean = meanLuminance(run.picture);

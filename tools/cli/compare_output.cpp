@@ -46,6 +46,7 @@ Metadata recipeOf(const CompareSettings& s, const Contestant& c, const SceneCont
                   double exposure, bool automatic) {
     RenderSettings one = s.base;
     one.integrator = c.choice;
+    if (!c.prepass) one.prepass.choice.reset();
     one.classes = c.classes;
     one.seed = c.runs.front().seed;
     const Rendered rendered{.result = {Ended::spp, uint32_t(std::lround(c.spp())), c.seconds()},
@@ -53,7 +54,9 @@ Metadata recipeOf(const CompareSettings& s, const Contestant& c, const SceneCont
                             .mean = {},
                             .exposure = exposure,
                             .automaticExposure = automatic,
-                            .camera = context.camera};
+                            .camera = context.camera,
+                            .prepassSeconds = c.prepassSeconds(),
+                            .facts = c.facts};
     Metadata m = recipe(one, context.loaded, context.view, display, *c.film, rendered);
     m.emplace_back("chiaro:seeds", seedsText(c));
     return m;

@@ -23,15 +23,18 @@ std::string sharedOptions(const Arguments& a) {
     const auto render = std::find_if(all.begin(), all.end(), [](const Command& c) { return c.name == "render"; });
     std::string line;
     for (const OptionRow& o : render->options)
-        if (o.sample && o.name != "integrator" && o.name != "seed" && findOption(*a.command, o.name) && a.given(o.name))
+        if (o.sample && o.name != "integrator" && o.name != "seed" && !o.name.starts_with("prepass") && findOption(*a.command, o.name) &&
+            a.given(o.name))
             line += fmt::format(" --{} {}", o.name, shellQuoted(a.text(o.name)));
     return line + (a.given("crop") ? " --crop " + shellQuoted(a.text("crop")) : "");
 }
 
 // One seed: that of render. Several: their samples together.
 std::string commandFor(const CompareSettings& s, const Contestant& c) {
-    const std::string what =
-        fmt::format("{} -i {}{}", shellQuoted(s.base.scene.operand), shellQuoted(c.name), sharedOptions(*s.base.arguments));
+    std::string what = fmt::format("{} -i {}", shellQuoted(s.base.scene.operand), shellQuoted(integratorRecipe(c.choice)));
+    if (c.prepass) what += fmt::format(" --prepass {}", shellQuoted(prepassRecipe(*c.prepass)));
+    if (c.prepass && !s.base.prepass.file.empty()) what += fmt::format(" --prepass-file {}", shellQuoted(s.base.prepass.file.string()));
+    what += sharedOptions(*s.base.arguments);
     const auto spp = std::lround(std::max(1.0, c.spp()));
     if (c.runs.size() < 2) return fmt::format("chiaro render {} --spp {} --seed {}", what, spp, s.base.seed);
     return fmt::format("chiaro compare {} --equal spp --spp {} --seeds {} --seed {} --ref none", what, spp, c.runs.size(), s.base.seed);
@@ -153,6 +156,9 @@ void addSettings(report::Report& r, const CompareSettings& s, const Comparison& 
     add("depth", s.base.paths.maxDepth == unlimitedDepth ? "unlimited" : fmt::format("{}", s.base.paths.maxDepth));
     if (!s.base.paths.paths.empty()) add("paths", s.base.paths.paths);
     if (!s.base.paths.split.empty()) add("split", s.base.paths.split);
+    if (s.base.prepass.choice)
+        add("pre-pass", fmt::format("{}, {}", prepassRecipe(*s.base.prepass.choice),
+                                    s.base.prepass.file.empty() ? "solved for each seed" : "one solution for all seeds"));
     add("sampler", samplerName(s.base.sampler));
     add("filter", filterName(s.base.filter));
     add("scene hash", fmt::format("{:016x}", context->loaded.scene->hash()));

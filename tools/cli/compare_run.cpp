@@ -23,13 +23,13 @@ ReferenceGoal goalOf(const CompareSettings& s) {
     return goal;
 }
 
-double pathCost(const CompareSettings& s, const Job& job, const Comparison& c, StopToken& stop) {
+double pathCost(const CompareSettings& s, const Job& job, const Comparison& c, StopToken& stop, PrepassSolver& prepasses) {
     for (const Contestant& one : c.contestants)
         if (one.name == referenceName && one.pilotSeconds > 0) return one.pilotSeconds;
     CompareSettings alone = s;
     std::vector<Contestant> path;
     path.emplace_back(chooseIntegrator(referenceName), c.classes, job.view);
-    Contest(alone, job, stop, path).pilot();
+    Contest(alone, job, stop, path, prepasses).pilot();
     return path[0].pilotSeconds;
 }
 
@@ -91,29 +91,37 @@ const ReferenceSums* Comparison::restrictedSums(std::size_t contestant) const {
 std::vector<Contestant> contestantsOf(const CompareSettings& s, const Scene& scene, const View& view, std::vector<Judged>& judged) {
     std::vector<Contestant> all;
     for (const IntegratorChoice& choice : s.integrators) {
-        judged.push_back(howJudged(choice, scene, s.base.paths));
+        const PrepassChoice* prepass = prepassFor(choice, s.base.prepass.get());
+        judged.push_back(howJudged(choice, scene, s.base.paths, prepass));
         const bool own = !judged.back().split.empty() && s.base.paths.split.empty();
         PathQuery query = s.base.paths;
         if (own) query.split = judged.back().split;
-        all.emplace_back(choice, own ? PathClasses::make(query) : s.base.classes, view);
+        all.emplace_back(choice, own ? PathClasses::make(query) : s.base.classes, view, prepass);
         if (own) {
             const auto& names = all.back().classes.layerNames();
             all.back().judgedLayer = int(std::find(names.begin(), names.end(), "covered") - names.begin());
         }
         for (uint32_t n = 2; std::any_of(all.begin(), all.end() - 1, [&](const Contestant& c) { return c.file == all.back().file; }); ++n)
-            all.back().file = fmt::format("{}-{}.exr", fileName(choice), n);
+            all.back().file = fmt::format("{}-{}.exr", fileName(choice, prepass), n);
     }
     return all;
 }
 
 void runComparison(const CompareSettings& s, const Job& job, StopToken& stop, Comparison& c, Console& console) {
-    Contest contest(s, job, stop, c.contestants);
+    PrepassSolver prepasses(s.base.prepass, s.base.scene);
+    prepasses.checkFile();
+    if (prepasses.choice())
+        console.phase("prepass",
+                      fmt::format("{} for {}{}", prepassRecipe(*prepasses.choice()), takersText(s.integrators),
+                                  prepasses.kept() ? "; one solution for all seeds: what is random in it is no part of the error bars"
+                                                   : "; a solution for each seed"));
+    Contest contest(s, job, stop, c.contestants, prepasses);
     c.goal = goalOf(s);
     double perSample = 0;
     const bool timed = s.equal != Equal::spp || s.referenceSeconds;
     if (timed) {
         contest.pilot();
-        if (s.reference == ReferenceKind::automatic) perSample = pathCost(s, job, c, stop);
+        if (s.reference == ReferenceKind::automatic) perSample = pathCost(s, job, c, stop, prepasses);
     }
     c.seeds = contest.chooseSeeds(job.notes);
     c.goal.expected = contest.samplesFor(c.goal.noise);
@@ -145,6 +153,9 @@ void runComparison(const CompareSettings& s, const Job& job, StopToken& stop, Co
     if (c.truth) meter.emplace(c.truth->picture);
     contest.run(course, meter ? MeasureError([&](const judge::Picture& p) { return meter->relative(p); }) : MeasureError());
     bar.clear();
+    for (const Contestant& one : c.contestants)
+        for (const Diagnostics::Fact& f : one.facts) job.notes.tell(f.subject, fmt::format("{}: {}", one.name, f.message));
+    console.facts(job.notes);
 }
 
 } // namespace chiaro::cli

@@ -68,6 +68,7 @@ void readScene(const Arguments& a, const std::string& scene, CompareSettings& s)
     s.base.scene.operand = scene;
     s.integrators = a.given("integrator") ? chooseIntegrators(a.text("integrator")) : allLightTransport();
     readFrame(a, s.base);
+    requireTaker(s.base.prepass, s.integrators);
     s.base.seed = parseWhole("seed", a.text("seed"), 0, 0x7fffffff); // bits above it part the pictures of one run
     readEqual(a, s);
 }

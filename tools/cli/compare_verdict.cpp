@@ -104,8 +104,8 @@ judge::Evidence Truth::evidence(const std::vector<uint8_t>& leftOut) const {
     return sums ? sums->luminance().evidence(leftOut) : judge::evidenceOf(picture, {}, leftOut);
 }
 
-Judged howJudged(const IntegratorChoice& choice, const Scene& scene, const PathQuery& query) {
-    const Traits traits = choice.entry->traits(choice.options);
+Judged howJudged(const IntegratorChoice& choice, const Scene& scene, const PathQuery& query, const PrepassChoice* prepass) {
+    const Traits traits = traitsWith(choice, prepass);
     Judged j;
     if (!traits.lightTransport) {
         j.covers = "no light: a debug view";
@@ -126,7 +126,7 @@ Judged howJudged(const IntegratorChoice& choice, const Scene& scene, const PathQ
     PathQuery unsplit = query;
     unsplit.split.clear();
     try {
-        j.subject = makeSubjects({choice}, unsplit, false).front();
+        j.subject = makeSubjects({choice}, unsplit, false, prepass).front();
     } catch (const Error&) { j.missing = j.missing.empty() ? "all that is asked for" : j.missing; }
     return j;
 }

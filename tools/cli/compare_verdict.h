@@ -38,7 +38,8 @@ struct Judged {
     // Approximations may also put light into paths that they do not cover: what is judged is a layer, "covered".
     std::string split; // that makes it, as --split; empty: the whole picture is judged
 };
-Judged howJudged(const IntegratorChoice&, const Scene&, const PathQuery&);
+// prepass: that it renders with, null for none.
+Judged howJudged(const IntegratorChoice&, const Scene&, const PathQuery&, const PrepassChoice* prepass = nullptr);
 
 judge::AgreementSettings judgeRule(std::size_t judged);
 // restricted: the reference on the paths that it covers, where that is another one; null where it could not be had.

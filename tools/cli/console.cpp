@@ -77,4 +77,9 @@ void Console::warnings(const Diagnostics& notes) {
     for (; shown_ < all.size(); ++shown_) printWarning(all[shown_]);
 }
 
+void Console::facts(const Diagnostics& notes) {
+    const std::vector<Diagnostics::Fact> all = notes.facts();
+    for (; factsShown_ < all.size(); ++factsShown_) phase(all[factsShown_].subject, all[factsShown_].message);
+}
+
 } // namespace chiaro::cli

@@ -29,11 +29,13 @@ public:
     bool quiet() const { return quiet_; }
     // Those of the warnings that were not yet shown.
     void warnings(const Diagnostics&);
+    // Those of the automatic choices that were not yet shown, a line each.
+    void facts(const Diagnostics&);
     std::size_t shown() const { return shown_; }
 
 private:
     bool quiet_;
-    std::size_t shown_ = 0;
+    std::size_t shown_ = 0, factsShown_ = 0;
 };
 
 } // namespace chiaro::cli

@@ -32,6 +32,16 @@ constexpr auto topics = std::to_array<Topic>({
     L D D+ E    colour bleeding
   `chiaro integrators` says which paths each integrator covers, and which it cannot find.
 )"},
+    {"prepass", R"(Pre-passes
+  --prepass NAME[:key=value,...] solves the diffuse light of a scene before the picture: what reaches a surface after it was scattered once
+  or more. It takes the place of the constant ambient light of the integrators that have room for it; direct light and everything specular
+  stay theirs (the classical two-pass method: Wallace, Cohen, Greenberg 1987). Lists of integrators give it to those alone.
+  --prepass-file FILE keeps the solution: where FILE fits it is loaded, where it is not there it is made. Another camera, size or lens needs
+  no other; another scene, time, seed, sampler, instruction set or other options do, and such a file is refused with the reason.
+  Without a file `compare` and `agree` solve it for every seed, so that what is random in it is part of the error bars; its seconds are
+  billed to every integrator that uses it.
+  `chiaro integrators` lists the pre-passes and who takes them.
+)"},
     {"exit-codes", R"(Exit codes
   0    done, also when a budget ended the render
   1    warnings, under --strict
@@ -127,7 +137,7 @@ int runHelp(const Arguments& arguments) {
         names.emplace_back(t.name);
     }
     const std::string near = nearest(name, names);
-    throw Error(Exit::usage, fmt::format("no help on \"{}\"{}; topics: units, paths, exit-codes, scenes", name,
+    throw Error(Exit::usage, fmt::format("no help on \"{}\"{}; topics: units, paths, prepass, exit-codes, scenes", name,
                                          near.empty() ? "" : fmt::format("; did you mean {}?", near)));
 }
 

@@ -59,11 +59,13 @@ std::vector<IntegratorChoice> allLightTransport() {
     return all;
 }
 
-std::string fileName(const IntegratorChoice& choice) {
-    std::string name = integratorRecipe(choice);
-    for (char& c : name)
-        if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '_') c = '-';
-    return name;
+std::string fileName(const IntegratorChoice& choice, const PrepassChoice* prepass) {
+    const auto plain = [](std::string name) {
+        for (char& c : name)
+            if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '_') c = '-';
+        return name;
+    };
+    return plain(integratorRecipe(choice)) + (prepass ? "+" + plain(prepassRecipe(*prepass)) : "");
 }
 
 } // namespace chiaro::cli

@@ -17,7 +17,7 @@ std::vector<IntegratorChoice> chooseIntegrators(std::string_view list);
 // Every integrator of the registry that transports light, with its default options.
 std::vector<IntegratorChoice> allLightTransport();
 
-// For file names: "photon-count-2M".
-std::string fileName(const IntegratorChoice&);
+// For file names: "photon-count-2M", "whitted+radiosity".
+std::string fileName(const IntegratorChoice&, const PrepassChoice* prepass = nullptr);
 
 } // namespace chiaro::cli

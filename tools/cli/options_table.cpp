@@ -1,5 +1,7 @@
 // The options of each subcommand: the one place where they are described.
 #include "tools/cli/agree_options.h"
+#include "tools/cli/bake_options.h"
+#include "tools/cli/bench_options.h"
 #include "tools/cli/command.h"
 #include "tools/cli/compare_options.h"
 #include "tools/cli/diff_options.h"
@@ -63,6 +65,17 @@ constexpr auto renderTable = std::to_array<OptionRow>({
      .standard = "path",
      .group = method,
      .sample = true},
+    {.name = "prepass",
+     .metavar = "NAME[:key=value,...]",
+     .help = "solved before the picture: its diffuse field is the indirect light of whitted and distributed (photon, radiosity: chiaro "
+             "integrators); default: none",
+     .group = method,
+     .sample = true},
+    {.name = "prepass-file",
+     .metavar = "FILE",
+     .help = "the solution is taken from FILE where it fits, else solved and kept there; another camera needs no other",
+     .group = method,
+     .sample = true},
     {.name = "max-depth",
      .metavar = "N",
      .help = "most scatterings: 0 emission, 1 direct light, 2 one indirect bounce; default: no limit",
@@ -103,9 +116,17 @@ constexpr auto renderTable = std::to_array<OptionRow>({
      .repeatable = true},
     {.name = "aov",
      .metavar = "LIST",
-     .help = "layers beside the beauty: albedo, normal, Z, cost, all or none; cost is what a sample takes: cost.time (microseconds of one "
-             "thread, another number in every run), cost.rays, cost.depth, and beside FILE.png also FILE.cost.rays.png ... in false colour",
+     .help =
+         "layers beside the beauty: albedo, normal, Z, cost, photons, all or none; cost is what a sample takes: cost.time (microseconds of "
+         "one "
+         "thread, another number in every run), cost.rays, cost.depth, and beside FILE.png also FILE.cost.rays.png ... in false colour; "
+         "photons is what density estimates found, of integrators that have photons: photons.density (1/m2), photons.radius (m), "
+         "photons.count",
      .standard = "albedo,normal,Z",
+     .group = output},
+    {.name = "photon-map",
+     .metavar = "FILE.glb",
+     .help = "the photons as points in the scene, each in the colour of its flux; of integrators that have photons",
      .group = output},
     {.name = "size",
      .metavar = "WxH",
@@ -175,6 +196,10 @@ constexpr auto renderTable = std::to_array<OptionRow>({
      .help = "view of the OpenColorIO configuration; default: sRGB without tone mapping (\"Standard\")",
      .group = display},
     {.name = "ocio", .metavar = "CONFIG", .help = "another OpenColorIO configuration; $OCIO is taken too", .group = display},
+    {.name = "max-memory",
+     .metavar = "SIZE",
+     .help = "what would need more is refused before it begins: 500M, 32G; default: 80 % of the machine's",
+     .group = general},
     {.name = "config",
      .metavar = "FILE.json",
      .help = "options from a JSON object, e.g. {\"spp\": 64}; the command line wins",
@@ -205,7 +230,9 @@ constexpr std::array<OptionRow, N + M> joined(const std::array<OptionRow, N>& a,
     return all;
 }
 // What `agree` and `compare` take over from `render`.
-constexpr auto sharedRows = std::to_array<OptionRow>({renderRow("max-depth"),
+constexpr auto sharedRows = std::to_array<OptionRow>({renderRow("prepass"),
+                                                      renderRow("prepass-file"),
+                                                      renderRow("max-depth"),
                                                       renderRow("paths"),
                                                       renderRow("crop"),
                                                       renderRow("sampler"),
@@ -224,6 +251,7 @@ constexpr auto sharedRows = std::to_array<OptionRow>({renderRow("max-depth"),
                                                       frameTimeRow,
                                                       shutterRow,
                                                       animationRow,
+                                                      renderRow("max-memory"),
                                                       renderRow("config"),
                                                       strictRow,
                                                       renderRow("progress"),
@@ -238,12 +266,39 @@ constexpr auto sampleRows = [] {
     std::copy_if(renderTable.begin(), renderTable.end(), rows.begin(), ofSample);
     return rows;
 }();
-constexpr auto traceTable = joined(
-    traceRows, joined(sampleRows, std::to_array<OptionRow>({renderRow("threads"), renderRow("config"), strictRow, renderRow("quiet")})));
+constexpr auto traceTable =
+    joined(traceRows, joined(sampleRows, std::to_array<OptionRow>({renderRow("threads"), renderRow("max-memory"), renderRow("config"),
+                                                                   strictRow, renderRow("quiet")})));
 
 constexpr auto compareTable =
     joined(compareRows,
            joined(std::to_array<OptionRow>({renderRow("size"), renderRow("exposure"), renderRow("view"), renderRow("ocio")}), sharedRows));
+
+// What `bake` takes over from `render`.
+constexpr auto bakeTable = joined(bakeRows, std::to_array<OptionRow>({renderRow("prepass"),
+                                                                      renderRow("prepass-file"),
+                                                                      renderRow("max-depth"),
+                                                                      renderRow("rr-depth"),
+                                                                      renderRow("sampler"),
+                                                                      renderRow("seed"),
+                                                                      renderRow("threads"),
+                                                                      isaRow,
+                                                                      envRow,
+                                                                      envRotateRow,
+                                                                      envScaleRow,
+                                                                      missingTextureRow,
+                                                                      frameTimeRow,
+                                                                      animationRow,
+                                                                      renderRow("max-memory"),
+                                                                      renderRow("config"),
+                                                                      strictRow,
+                                                                      jsonRow,
+                                                                      renderRow("progress"),
+                                                                      renderRow("quiet"),
+                                                                      renderRow("verbose")}));
+
+constexpr auto benchTable =
+    joined(benchRows, joined(infoTable, std::to_array<OptionRow>({renderRow("max-memory"), renderRow("config"), renderRow("quiet")})));
 
 constexpr auto table = std::to_array<Command>({
     {"render", "SCENE", "one integrator, EXR + PNG", renderTable, runRender, 1, 1},
@@ -252,11 +307,13 @@ constexpr auto table = std::to_array<Command>({
     {"diff", "A B", "two images: metrics and an exit code", diffTable, runDiff, 2, 2, diffNotes},
     {"agree", "SCENE|A.exr B.exr", "do the integrators agree? a statistical verdict, an exit code", agreeTable, runAgree, 1, 2, agreeNotes},
     {"trace", "SCENE --pixel X,Y", "the ray tree or path of one sample, as text and as GLB", traceTable, runTrace, 1, 1},
+    {"bake", "SCENE", "light into the scene: vertex colours or a light map, as glTF", bakeTable, runBake, 1, 1},
     {"info", "SCENE|IMAGE", "what is in it, what Chiaro will use, approximate, ignore, add", infoTable, runInfo, 1, 1},
+    {"bench", "[SUITE]", "what this machine does in a second: rays, samples, photons, radiosity", benchTable, runBench, 0, 1, benchNotes},
     {"scenes", "", "the scenes inside the program", jsonTable, runScenes, 0, 0},
     {"integrators", "[NAME]", "the algorithms, their options and the light paths they cover", jsonTable, runIntegrators, 0, 1},
     {"doctor", "", "checks this installation: libraries, memory, disk, a self-test render", jsonTable, runDoctor, 0, 0},
-    {"help", "[COMMAND|TOPIC]", "this overview, a command, or a topic: units, paths, exit-codes, scenes", noOptions, runHelp, 0, 1},
+    {"help", "[COMMAND|TOPIC]", "this overview, a command, or a topic: units, paths, prepass, exit-codes, scenes", noOptions, runHelp, 0, 1},
 });
 
 } // namespace

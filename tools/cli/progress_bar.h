@@ -15,7 +15,8 @@ public:
     ProgressBar(ProgressMode, bool quiet, double seconds);
     void phase(std::string_view) override;
     void render(const RenderStatus&) noexcept override;
-    void clear() noexcept; // the bar gives its line back
+    void budget(double seconds) noexcept { seconds_ = seconds; } // what is left of it; before rendering begins
+    void clear() noexcept;                                       // the bar gives its line back
 
 private:
     using Clock = std::chrono::steady_clock;

@@ -1,8 +1,23 @@
 #include "tools/cli/recipe.h"
 #include "tools/cli/version.h"
 #include <fmt/format.h>
+#include <map>
 
 namespace chiaro::cli {
+
+namespace {
+
+// The facts of one subject together: attributes of a picture have a name each.
+std::map<std::string, std::string> factsByName(const std::vector<Diagnostics::Fact>& facts) {
+    std::map<std::string, std::string> all;
+    for (const Diagnostics::Fact& f : facts) {
+        std::string& text = all[f.subject];
+        text += (text.empty() ? "" : "; ") + f.message;
+    }
+    return all;
+}
+
+} // namespace
 
 Metadata recipe(const RenderSettings& s, const LoadedScene& loaded, const View& view, const DisplayTransform& display, const Film& film,
                 const Rendered& rendered) {
@@ -24,6 +39,11 @@ Metadata recipe(const RenderSettings& s, const LoadedScene& loaded, const View& 
     m.emplace_back("chiaro:shutter", fmt::format("{}:{}", view.shutter.open, view.shutter.close));
     if (const std::string time = timeText(s.scene, loaded); !time.empty()) m.emplace_back("chiaro:animation", time);
     m.emplace_back("chiaro:integrator", integratorRecipe(s.integrator));
+    if (s.prepass.choice) {
+        m.emplace_back("chiaro:prepass", prepassRecipe(*s.prepass.choice));
+        m.emplace_back("chiaro:prepassSeconds", rendered.prepassSeconds);
+    }
+    for (const auto& [name, value] : factsByName(rendered.facts)) m.emplace_back("chiaro:fact." + name, value);
     if (!s.paths.paths.empty()) m.emplace_back("chiaro:paths", s.paths.paths);
     if (!s.paths.split.empty()) m.emplace_back("chiaro:split", s.paths.split);
     m.emplace_back("chiaro:maxDepth", s.paths.maxDepth == unlimitedDepth ? std::string("unlimited") : text(s.paths.maxDepth));

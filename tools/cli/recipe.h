@@ -13,6 +13,8 @@ struct Rendered {
     double exposure = 0;
     bool automaticExposure = false;
     std::string camera;
+    double prepassSeconds = 0;                 // that the pre-pass took when it was solved
+    std::vector<Diagnostics::Fact> facts = {}; // automatic choices
 };
 // seconds: whether the time is told; without it equal renders have equal recipes.
 Metadata recipe(const RenderSettings&, const LoadedScene&, const View&, const DisplayTransform&, const Film&, const Rendered&);

@@ -2,12 +2,16 @@
 #include "core/render/depth.h"
 #include "io/replace_file.h"
 #include "tools/cli/cost_pictures.h"
+#include "tools/cli/photon_output.h"
+#include "tools/cli/prepared_once.h"
+#include "tools/cli/prepass_solver.h"
 #include "tools/cli/recipe.h"
 #include "tools/cli/replay.h"
 #include "tools/cli/report.h"
 #include "tools/cli/signals.h"
 #include "tools/cli/unseen_paths.h"
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -15,15 +19,13 @@ namespace chiaro::cli {
 namespace {
 
 // A film that would not fit is refused before anything is allocated, with a size that would.
-void checkMemory(const FilmLayout& layout) {
-    const double physical = double(physicalBytes()), needed = double(layout.bytes());
-    constexpr double share = 0.8; // the rest is for the scene and the system
-    if (physical == 0 || needed <= share * physical) return;
-    const double scale = std::sqrt(share * physical / needed) * 0.9;
-    throw Error(Exit::resources,
-                fmt::format("a picture of {}x{} needs about {}, this machine has {}. Try --size {}x{}, or parts with --crop.",
-                            layout.crop.width(), layout.crop.height(), memorySize(needed), memorySize(physical),
-                            std::max(1, int(layout.width * scale)), std::max(1, int(layout.height * scale))));
+void checkMemory(const RenderSettings& s, const FilmLayout& layout) {
+    const double limit = double(memoryLimit(s)), needed = double(layout.bytes());
+    if (needed <= limit) return;
+    const double scale = std::sqrt(limit / needed) * 0.9;
+    throw Error(Exit::resources, fmt::format("a picture of {}x{} needs about {}, {}. Try --size {}x{}, or parts with --crop.",
+                                             layout.crop.width(), layout.crop.height(), memorySize(needed), memoryLimitText(s),
+                                             std::max(1, int(layout.width * scale)), std::max(1, int(layout.height * scale))));
 }
 
 std::vector<float> interleavedBeauty(const Picture& picture) {
@@ -102,25 +104,45 @@ int renderFilm(const RenderSettings& s, const LoadedScene& loaded, const View& v
                             .crop = view.crop,
                             .layers = s.classes.layerNames(),
                             .splats = s.integrator.entry->traits(s.integrator.options).splats,
-                            .costs = s.aov.cost};
-    checkMemory(layout);
+                            .costs = s.aov.cost,
+                            .photons = s.aov.photons || (s.aov.all && hasPhotons(s))};
+    checkMemory(s, layout);
     Film film(layout);
     StopToken stop;
     const StopOnSignal signals(stop);
     ProgressBar progress(s.progress, s.quiet, s.budget.seconds);
-    const Job job{{*loaded.scene, s.classes, view.shutter, s.seed, s.sampler, run, stop, progress, notes}, view};
-    const auto integrator = s.integrator.entry->make(s.integrator.options);
+    const Work work{*loaded.scene, s.classes, view.shutter, s.seed, s.sampler, run, stop, progress, notes, memoryLimit(s)};
+    const auto begin = std::chrono::steady_clock::now();
+    PrepassSolver solver(s.prepass, s.scene);
+    const SolvedPrepass solved = solver.solve(work);
+    if (solver.choice() && !solved.field) {
+        console.line("stopped during the pre-pass; nothing written");
+        return int(Exit::killed);
+    }
+    tellPrepass(solver, solved, console);
+    const Job job{work, view, solved.field.get()};
+    PreparedOnce integrator(s.integrator.entry->make(s.integrator.options));
+    integrator.prepare(job);
+    console.facts(notes);
+    const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    const Budget budget{s.budget.spp, std::max(0.0, s.budget.seconds - spent)};
+    progress.budget(budget.seconds);
 
-    Rendered rendered{.result = render(job, *integrator, film, s.budget, stop), .mean = {}, .camera = camera};
+    Rendered rendered{.result = render(job, integrator, film, budget, stop), .mean = {}, .camera = camera};
     progress.clear();
+    rendered.result.seconds += spent;
+    rendered.prepassSeconds = solved.seconds;
+    rendered.facts = solved.facts;
+    for (const Diagnostics::Fact& f : notes.facts()) rendered.facts.push_back(f);
     if (rendered.result.ended == Ended::stopped && !anySample(film)) {
         console.line("stopped before the first sample was done; nothing written");
         return int(Exit::killed);
     }
     rendered.noise = film.noise();
     rendered.mean = film.meanLuminance();
-    warnDropped(s, job, *integrator, film);
+    warnDropped(s, job, integrator.inner(), film);
     std::vector<std::filesystem::path> files = writeOutputs(s, loaded, view, display, film, seenAtCentres(job), rendered);
+    if (!s.photonMap.empty()) writePhotonMap(s, *loaded.scene, integrator.inner(), solved.field.get(), notes);
     console.warnings(notes);
     const int code = exitCode(s, rendered.result, notes);
     const std::vector<std::filesystem::path> costs = costFilesOf(s, files);
@@ -145,6 +167,9 @@ int runRender(const Arguments& arguments) {
         const std::vector<std::filesystem::path> files = outputFiles(s, s.budget.spp);
         for (const std::filesystem::path& file : files) checkWritable(file);
         for (const std::filesystem::path& file : costFilesOf(s, files)) checkWritable(file);
+        PrepassSolver(s.prepass, s.scene).checkFile();
+        checkPhotons(s);
+        if (!s.photonMap.empty()) checkWritable(s.photonMap);
     }
 
     tellHeader(s, run, console);
@@ -155,7 +180,7 @@ int runRender(const Arguments& arguments) {
     const std::string cameraName = automatic ? "auto" : camera.name;
     tellScene(s, loaded, cameraName, console);
     tellLens(s.lens, camera.lens, console);
-    if (const auto unseen = unseenPaths(*loaded.scene, s.integrator, s.paths)) notes.warn(*unseen);
+    if (const auto unseen = unseenPaths(*loaded.scene, s.integrator, s.paths, s.prepass.get())) notes.warn(*unseen);
     console.warnings(notes);
     if (replay) return replaySample(s, loaded, view, run, notes, console);
     tellIntegrator(s, view, console);

@@ -1,4 +1,6 @@
 #include "tools/cli/replay.h"
+#include "tools/cli/prepass_solver.h"
+#include "tools/cli/signals.h"
 #include <cmath>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -28,9 +30,15 @@ int replaySample(const RenderSettings& s, const LoadedScene& loaded, const View&
                                 "cannot be replayed alone; try -i path",
                                 s.integrator.entry->name));
     Progress silent;
-    const StopToken stop;
-    const Job job{{*loaded.scene, s.classes, view.shutter, s.seed, s.sampler, run, stop, silent, notes}, view};
+    StopToken stop;
+    const StopOnSignal signals(stop);
+    const Work work{*loaded.scene, s.classes, view.shutter, s.seed, s.sampler, run, stop, silent, notes, memoryLimit(s)};
+    PrepassSolver solver(s.prepass, s.scene);
+    const SolvedPrepass solved = solver.solve(work);
+    tellPrepass(solver, solved, console);
+    const Job job{work, view, solved.field.get()};
     made->prepare(job);
+    if (stop.cancelled()) return int(Exit::killed);
     const Spectrum value = replay(job, *integrator, pixel, s.sample).value;
 
     console.warnings(notes);

@@ -118,6 +118,12 @@ void tellDone(const RenderSettings& s, const DisplayTransform& display, const Fi
     if (const std::string compare = compareCommand(s); !stopped && !compare.empty()) console.phase("next", compare);
 }
 
+nlohmann::ordered_json factsJson(const std::vector<Diagnostics::Fact>& facts) {
+    nlohmann::ordered_json all = nlohmann::ordered_json::array();
+    for (const Diagnostics::Fact& f : facts) all.push_back({{"subject", f.subject}, {"message", f.message}});
+    return all;
+}
+
 void printSummary(const RenderSettings& s, const LoadedScene& loaded, const View& view, const DisplayTransform& display, const Film& film,
                   const Rendered& r, std::span<const std::filesystem::path> files, const Diagnostics& notes, int code) {
     const char* ended = r.result.ended == Ended::spp ? "spp" : r.result.ended == Ended::time ? "time" : "stopped";
@@ -131,6 +137,8 @@ void printSummary(const RenderSettings& s, const LoadedScene& loaded, const View
         {"camera", r.camera},
         {"environment", loaded.environment},
         {"integrator", integratorRecipe(s.integrator)},
+        {"prepass", s.prepass.choice ? nlohmann::ordered_json(prepassRecipe(*s.prepass.choice)) : nlohmann::ordered_json(nullptr)},
+        {"prepassSeconds", r.prepassSeconds},
         {"size", {view.width, view.height}},
         {"crop", {view.crop.x0, view.crop.y0, view.crop.width(), view.crop.height()}},
         {"seed", s.seed},
@@ -146,6 +154,7 @@ void printSummary(const RenderSettings& s, const LoadedScene& loaded, const View
         {"display", display.display()},
         {"view", display.view()},
         {"files", names},
+        {"facts", factsJson(r.facts)},
         {"warnings", notes.warnings()},
         {"exit", code},
     };

@@ -1,6 +1,7 @@
 // What `chiaro render` says: the lines of a run, and the JSON summary.
 #pragma once
 #include "tools/cli/recipe.h"
+#include <nlohmann/json_fwd.hpp>
 
 namespace chiaro::cli {
 
@@ -12,6 +13,8 @@ void tellScene(const RenderSettings&, const LoadedScene&, const std::string& cam
 void tellIntegrator(const RenderSettings&, const View&, const Console&);
 void tellDone(const RenderSettings&, const DisplayTransform&, const Film&, const Rendered&, std::span<const std::filesystem::path> files,
               const Console&);
+// Warnings' siblings for programs: [{"subject": "photons", "message": "..."}].
+nlohmann::ordered_json factsJson(const std::vector<Diagnostics::Fact>&);
 void printSummary(const RenderSettings&, const LoadedScene&, const View&, const DisplayTransform&, const Film&, const Rendered&,
                   std::span<const std::filesystem::path> files, const Diagnostics&, int code);
 

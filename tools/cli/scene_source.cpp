@@ -140,6 +140,7 @@ LoadedScene loadScene(const SceneRequest& request, Diagnostics& notes, const std
             {request.greyTextures ? MissingTexture::grey : MissingTexture::error, request.frameTime, request.shutter, request.animation},
             notes, &found);
         loaded.animations = std::move(found.animations);
+        loaded.origin = std::move(found.origin);
     }
     noteTime(request, desc, loaded, notes);
     lightScene(desc, request, loaded, notes);

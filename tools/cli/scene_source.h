@@ -36,6 +36,7 @@ struct LoadedScene {
     double seconds = 0;                    // reading and compiling
     std::string environment;               // "of the scene", "studio", a path, "none"
     std::vector<AnimationInfo> animations; // of the file
+    GltfOrigin origin;                     // what of the file the description shows
     std::vector<std::string> added;        // "no light ...: ..."; with the option that fixes it
 };
 // look: sees the description before it is compiled (and gone).

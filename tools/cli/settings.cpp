@@ -85,6 +85,8 @@ void readFrame(const Arguments& a, RenderSettings& s) {
     s.filter = FilterKind(parseChoice("filter", a.text("filter"), {"box", "gauss", "blackman-harris"}));
     s.camera = a.text("camera");
     s.lens = readLens(a);
+    s.prepass = readPrepass(a);
+    if (a.given("max-memory")) s.maxMemory = parseMemory("max-memory", a.text("max-memory"));
 }
 
 RenderSettings readSettings(const Arguments& a) {
@@ -99,6 +101,7 @@ RenderSettings readSettings(const Arguments& a) {
     // A time alone is the budget; the default number of samples would end it early.
     if (a.given("time") && !a.given("spp")) s.budget.spp = 1u << 31;
     readFrame(a, s);
+    requireTaker(s.prepass, {s.integrator});
     s.crop = a.text("crop");
     s.pixel = a.text("pixel");
     if (a.given("sample") && s.pixel.empty()) throw Error(Exit::usage, "--sample says which sample --pixel replays; add --pixel X,Y");
@@ -109,6 +112,9 @@ RenderSettings readSettings(const Arguments& a) {
     s.ocio = a.text("ocio");
     s.outputs = readOutputs(a);
     s.aov = readLayers(a.text("aov"));
+    s.photonMap = a.text("photon-map");
+    if (!s.photonMap.empty() && s.photonMap.extension() != ".glb")
+        throw Error(Exit::usage, fmt::format("--photon-map {}: a point cloud is a .glb", s.photonMap.string()));
     s.strict = a.on("strict");
     s.json = a.on("json");
     s.quiet = a.on("quiet");
@@ -145,6 +151,18 @@ View makeView(const RenderSettings& settings, const LoadedScene& loaded, CameraD
     view.crop = settings.crop.empty() ? Rect{0, 0, size.width, size.height} : parseCrop("crop", settings.crop, size);
     view.filter = Filter(settings.filter);
     return view;
+}
+
+std::size_t memoryLimit(const RenderSettings& s) {
+    constexpr double share = 0.8;
+    if (s.maxMemory) return *s.maxMemory;
+    const std::size_t physical = physicalBytes();
+    return physical == 0 ? ~std::size_t(0) : std::size_t(share * double(physical));
+}
+
+std::string memoryLimitText(const RenderSettings& s) {
+    return s.maxMemory ? fmt::format("--max-memory is {}", memorySize(double(*s.maxMemory)))
+                       : fmt::format("this machine has {}", memorySize(double(physicalBytes())));
 }
 
 std::string samplerName(SamplerKind kind) { return kind == SamplerKind::sobol ? "sobol" : "independent"; }

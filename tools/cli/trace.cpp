@@ -1,7 +1,9 @@
 #include "tools/cli/trace.h"
 #include "io/replace_file.h"
 #include "tools/cli/integrator_list.h"
+#include "tools/cli/prepass_solver.h"
 #include "tools/cli/report.h"
+#include "tools/cli/signals.h"
 #include <algorithm>
 #include <array>
 #include <fmt/format.h>
@@ -19,8 +21,11 @@ Arguments asRender(const Arguments& from, const std::string& integrator) {
     to.command = &*std::find_if(all.begin(), all.end(), [](const Command& c) { return c.name == "render"; });
     to.operands = from.operands;
     to.line = from.line;
+    const bool prepass = takesPrepass(chooseIntegrator(integrator));
     for (const OptionRow& o : to.command->options)
-        if (from.given(o.name) && (o.sample || o.name == "threads" || o.name == "quiet")) to.set(o.name, from.all(o.name));
+        if (from.given(o.name) && (o.sample || o.name == "threads" || o.name == "max-memory" || o.name == "quiet") &&
+            (prepass || !o.name.starts_with("prepass")))
+            to.set(o.name, from.all(o.name));
     to.set("integrator", {integrator});
     return to;
 }
@@ -85,12 +90,12 @@ int deliverTrace(const TraceSettings& s, const Trace& trace, const Diagnostics& 
 TraceSettings readTraceSettings(const Arguments& a) {
     TraceSettings s;
     const std::string list = a.text("integrator");
-    chooseIntegrators(list); // unknown and repeated names
+    requireTaker(readPrepass(a), chooseIntegrators(list)); // unknown and repeated names too
     for (const std::string& name : splitIntegrators(list)) {
         TraceSide& side = s.sides.emplace_back();
         side.arguments = asRender(a, name);
         side.settings = readSettings(side.arguments);
-        side.recipe = integratorRecipe(side.settings.integrator);
+        side.recipe = nameWith(side.settings.integrator, side.settings.prepass.get());
     }
     s.pixel = a.text("pixel");
     if (s.pixel.empty()) throw Error(Exit::usage, "trace needs --pixel X,Y: the pixel whose path is to be shown (chiaro help trace)");
@@ -159,12 +164,19 @@ int runTrace(const Arguments& arguments) {
     tellScene(common, loaded, trace.camera, console);
     const Executor run(common.threads);
     Progress silent;
-    const StopToken stop;
+    StopToken stop;
+    const StopOnSignal signals(stop);
+    PrepassSolver solver(readPrepass(arguments), common.scene);
     for (const TraceSide& side : s.sides) {
         const RenderSettings& o = side.settings;
-        const Job job{{*loaded.scene, o.classes, view.shutter, o.seed, o.sampler, run, stop, silent, notes}, view};
-        trace.sides.push_back(traceSide(side, job, trace.pixel, s));
+        const Work work{*loaded.scene, o.classes, view.shutter, o.seed, o.sampler, run, stop, silent, notes, memoryLimit(o)};
+        const SolvedPrepass solved = o.prepass.choice ? solver.solve(work) : SolvedPrepass();
+        tellPrepass(solver, solved, console);
+        const Job job{work, view, solved.field.get()};
+        if (!stop.cancelled()) trace.sides.push_back(traceSide(side, job, trace.pixel, s));
+        if (stop.cancelled()) return int(Exit::killed);
     }
+    console.facts(notes);
     console.warnings(notes);
     return deliverTrace(s, trace, notes, console);
 }

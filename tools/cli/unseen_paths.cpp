@@ -1,6 +1,7 @@
 #include "tools/cli/unseen_paths.h"
 #include "core/render/path_expression_dfa.h"
 #include "materials/possible_events.h"
+#include "tools/cli/prepass_settings.h"
 #include <fmt/format.h>
 #include <map>
 #include <vector>
@@ -43,20 +44,19 @@ Absent wayOf(const Traits& t, const std::string& wanted, const PathsPresent& pre
 }
 
 // A sentence for each; empty: nothing is absent.
-std::string inWords(const Scene& scene, const IntegratorEntry& entry, const Absent& absent, const PathsPresent& present) {
+std::string inWords(const Scene& scene, const std::string& name, const Absent& absent, const PathsPresent& present) {
     std::vector<std::string> all;
     if (const auto& path = absent.notFound) {
         const bool glass = present.letters & (letter(Event::ST) | letter(Event::GT));
         const bool caustic = path->find("S D") != std::string::npos || path->find("S G") != std::string::npos;
         all.push_back(fmt::format("{} {}: {} cannot sample these {} ({}). Missing, not noisy.", lightNames(scene, *path),
-                                  glass ? "behind glass" : "and mirrors", entry.name, caustic ? "caustics" : "paths", *path));
+                                  glass ? "behind glass" : "and mirrors", name, caustic ? "caustics" : "paths", *path));
     }
     if (absent.leftOut)
-        all.push_back(
-            fmt::format("{} leaves out light paths by definition ({} and the like). Missing, not noisy.", entry.name, *absent.leftOut));
+        all.push_back(fmt::format("{} leaves out light paths by definition ({} and the like). Missing, not noisy.", name, *absent.leftOut));
     if (absent.approximated)
         all.push_back(
-            fmt::format("{} shows others only by approximation ({} and the like). Biased, not noisy.", entry.name, *absent.approximated));
+            fmt::format("{} shows others only by approximation ({} and the like). Biased, not noisy.", name, *absent.approximated));
     return fmt::format("{}", fmt::join(all, " "));
 }
 
@@ -66,11 +66,13 @@ std::optional<std::string> unseenPath(const Scene& scene, const Traits& traits, 
     return missing(traits, query.paths, {LetterSet(possibleLetters(scene) | eyeLetter), query.maxDepth});
 }
 
-std::optional<std::string> unseenPaths(const Scene& scene, const IntegratorChoice& choice, const PathQuery& query) {
-    const Traits traits = choice.entry->traits(choice.options);
+std::optional<std::string> unseenPaths(const Scene& scene, const IntegratorChoice& choice, const PathQuery& query,
+                                       const PrepassChoice* prepass) {
+    const Traits traits = traitsWith(choice, prepass);
     if (!traits.lightTransport) return {};
     const PathsPresent present{LetterSet(possibleLetters(scene) | eyeLetter), query.maxDepth};
-    const std::string text = inWords(scene, *choice.entry, wayOf(traits, query.paths, present), present);
+    const std::string text =
+        inWords(scene, prepass ? nameWith(choice, prepass) : std::string(choice.entry->name), wayOf(traits, query.paths, present), present);
     if (text.empty()) return {};
     for (const IntegratorEntry& e : integrators()) {
         const Traits t = e.traits(Options(e.options));

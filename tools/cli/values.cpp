@@ -77,6 +77,22 @@ double parseDuration(std::string_view option, const std::string& text) {
     return *value * unit;
 }
 
+std::size_t parseMemory(std::string_view option, const std::string& text) {
+    std::string_view number = text;
+    if (number.ends_with('B') || number.ends_with('b')) number.remove_suffix(1);
+    double unit = 1;
+    constexpr std::string_view units = "kMGT";
+    if (!number.empty())
+        if (const std::size_t at = units.find(number.back() == 'K' ? 'k' : number.back()); at != units.npos) {
+            unit = std::pow(1000.0, double(at + 1));
+            number.remove_suffix(1);
+        }
+    const auto value = wholeReal(number);
+    if (!value || !(*value * unit >= 1e6) || *value * unit > 1e15)
+        bad(option, text, "an amount of memory from 1M to 1000T, like 500M or 32G");
+    return std::size_t(*value * unit);
+}
+
 Size parseSize(std::string_view option, const std::string& text) {
     std::string_view rest = text;
     const auto width = takeNumber(rest);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
+#include <optional>
 
 namespace chiaro::judge {
 
@@ -15,15 +16,32 @@ constexpr double imageShare = 0.5, tileShare = 0.25, pixelShare = 0.25;
 constexpr double outlierP = 0.001; // two-sided, |z| > 3.29
 constexpr double largestZ = 38;    // beyond, the normal tail is no double
 
-Test compared(const Estimate& a, const Estimate& b, double rounding) noexcept {
-    return welch(a, b, rounding * std::max(std::abs(a.mean), std::abs(b.mean)));
+double roundingOf(const Estimate& a, const Estimate& b, double rounding) noexcept {
+    return rounding * std::max(std::abs(a.mean), std::abs(b.mean));
+}
+// event: height of the bright events that may be missing on one side.
+Test compared(const Estimate& a, const Estimate& b, double rounding, double event = 0) noexcept {
+    Test test = welch(a, b, roundingOf(a, b, rounding));
+    test.p = std::max(test.p, missedP(test.difference, event));
+    return test;
+}
+// In a pixel of tile t.
+double eventAt(const Evidence& a, const Evidence& b, std::size_t t) noexcept {
+    return std::max(a.events.empty() ? 0 : a.events[t], b.events.empty() ? 0 : b.events[t]);
 }
 
 // Equal without any spread: nothing to test.
 bool identical(const Estimate& a, const Estimate& b) noexcept { return a.error == 0 && b.error == 0 && a.mean == b.mean; }
 
-Bias biasOf(const Estimate& a, const Estimate& b, const AgreementSettings& s) noexcept {
-    Bias bias{compared(a, b, s.rounding), 0, {}};
+// pairs: the difference by pairs of replicates.
+Test paired(const Estimate& a, const Estimate& b, const Estimate& pairs, double rounding, double event) noexcept {
+    Test test = oneSample({a.mean - b.mean, pairs.error, pairs.dof}, 0, roundingOf(a, b, rounding));
+    test.p = std::max(test.p, missedP(test.difference, event));
+    return test;
+}
+
+Bias biasOf(const Test& test, const Estimate& b, const AgreementSettings& s) noexcept {
+    Bias bias{test, 0, {}};
     const Interval absolute = confidenceInterval(bias.test, 1 - s.confidence);
     const auto relative = [&](double d) { return d == 0 ? 0.0 : d / std::abs(b.mean); };
     bias.relative = relative(bias.test.difference);
@@ -31,10 +49,15 @@ Bias biasOf(const Estimate& a, const Estimate& b, const AgreementSettings& s) no
     return bias;
 }
 
-void imageScale(Agreement& out, const Evidence& a, const Evidence& b, const AgreementSettings& s) {
+using Pairs = std::array<Estimate, meanCount>;
+
+void imageScale(Agreement& out, const Evidence& a, const Evidence& b, const AgreementSettings& s, const Pairs* pairs, double event) {
     std::vector<double> p;
+    const double level = std::abs(b.image[0].mean);
     for (std::size_t k = 0; k < meanCount; ++k) {
-        out.bias[k] = biasOf(a.image[k], b.image[k], s);
+        const Estimate &x = a.image[k], &y = b.image[k];
+        const double tint = level > 0 ? std::abs(y.mean) / level : 1;
+        out.bias[k] = biasOf(pairs ? paired(x, y, (*pairs)[k], s.rounding, event * tint) : compared(x, y, s.rounding), y, s);
         p.push_back(out.bias[k].test.p);
         if (p[k] < out.bias[std::size_t(out.strongest)].test.p) out.strongest = Mean(k);
     }
@@ -50,7 +73,7 @@ void tileScale(Agreement& out, const Evidence& a, const Evidence& b, const Agree
     std::vector<double> p, errors;
     for (std::size_t t = 0; t < a.tiles.size(); ++t) {
         if (std::isnan(a.tiles[t].mean) || std::isnan(b.tiles[t].mean)) continue;
-        const Test test = compared(a.tiles[t], b.tiles[t], s.rounding);
+        const Test test = compared(a.tiles[t], b.tiles[t], s.rounding, eventAt(a, b, t) / (double(a.tile) * a.tile));
         const double z = std::min(largestZ, normalQuantile(test.p / 2));
         out.tileZ[t] = float(std::copysign(z, test.difference));
         if (identical(a.tiles[t], b.tiles[t])) continue;
@@ -78,11 +101,12 @@ void pixelScale(Agreement& out, const Evidence& a, const Evidence& b, const Agre
     for (std::size_t i = 0; i < a.pixels.size(); ++i) {
         if (std::isnan(a.pixels[i].mean) || std::isnan(b.pixels[i].mean)) continue;
         const Estimate &x = a.pixels[i], &y = b.pixels[i];
-        const double floor = s.rounding * std::max(std::abs(x.mean), std::abs(y.mean));
-        const double error = std::sqrt(x.error * x.error + y.error * y.error + floor * floor), difference = x.mean - y.mean;
+        const double floor = roundingOf(x, y, s.rounding), difference = x.mean - y.mean;
+        const double error = std::sqrt(x.error * x.error + y.error * y.error + floor * floor);
         out.pixelZ[i] = difference == 0 ? 0.0f : float(std::clamp(difference / error, -1e30, 1e30));
         if (!decides || identical(x, y)) continue;
-        p.push_back(std::abs(difference) <= ignorable * error ? 1.0 : compared(x, y, s.rounding).p);
+        const std::size_t tile = i / a.width / a.tile * a.tilesX + i % a.width / a.tile;
+        p.push_back(std::abs(difference) <= ignorable * error ? 1.0 : compared(x, y, s.rounding, eventAt(a, b, tile)).p);
     }
     out.pixels.tests = p.size();
     for (const double v : p) out.outliers += v < outlierP;
@@ -93,17 +117,22 @@ void pixelScale(Agreement& out, const Evidence& a, const Evidence& b, const Agre
     for (const double v : p) out.pixels.rejected += v <= threshold;
 }
 
-void resolve(Agreement& out, const Evidence& b, const AgreementSettings& s) {
+void resolve(Agreement& out, const Evidence& b, const AgreementSettings& s, double event) {
     const Test& mean = out.bias[0].test;
     // Simes over the four means finds at least what Bonferroni finds.
-    const double absolute = minimalDetectable(mean.error, mean.dof, out.image.alpha / double(meanCount), s.power);
-    const double level = std::abs(b.image[0].mean);
+    const double each = out.image.alpha / double(meanCount), level = std::abs(b.image[0].mean), margin = s.margin * level;
+    const double byErrors = minimalDetectable(mean.error, mean.dof, each, s.power);
+    // So many events do not stay away by chance; their own number varies by a root of it.
+    const double events = std::log(1 / each), byEvents = event * (events + normalQuantile(1 - s.power) * std::sqrt(events));
+    const double absolute = std::max(byErrors, byEvents);
     out.resolution = absolute == 0 ? 0 : absolute / level;
     // Black on both sides: no margin, and no difference that would need one.
-    out.equivalenceP = mean.difference == 0 && mean.error == 0 ? 0 : equivalence(mean, s.margin * level);
-    const double ratio = out.resolution / s.margin;
-    out.neededReplicates = std::max(2.0, std::ceil(out.replicates * ratio * ratio));
-    if (out.resolution > s.margin) out.moreSamples = std::ceil(out.replicates * s.samplesPerReplicate * (ratio * ratio - 1));
+    const bool same = mean.difference == 0 && mean.error == 0;
+    out.equivalenceP = same ? 0 : std::max(equivalence(mean, margin), missedP(margin, event));
+    // Errors fall as 1/sqrt(n), the height of an event as 1/n.
+    const double factor = absolute == 0 ? 0 : std::max((byErrors / margin) * (byErrors / margin), byEvents / margin);
+    out.neededReplicates = std::max(2.0, std::ceil(out.replicates * factor));
+    if (out.resolution > s.margin) out.moreSamples = std::ceil(out.replicates * s.samplesPerReplicate * (factor - 1));
 }
 } // namespace
 
@@ -117,17 +146,22 @@ const char* verdictName(Verdict v) noexcept {
     return "";
 }
 
-Agreement decide(Evidence a, Evidence b, const AgreementSettings& s) {
+Agreement decide(Evidence a, Evidence b, const AgreementSettings& s, const Pairs* pairs) {
     Agreement out;
     out.replicates = std::min(a.replicates, b.replicates);
     out.compared = a.compared;
     out.skewness = std::abs(a.skewness) > std::abs(b.skewness) ? a.skewness : b.skewness;
     if (a.compared == 0 || b.compared == 0) return out;
+    const double event = pairs ? std::max(eventHeight(a), eventHeight(b)) : 0;
     floorRareEvents(a, b);
-    imageScale(out, a, b, s);
+    imageScale(out, a, b, s, pairs, event);
     tileScale(out, a, b, s);
     pixelScale(out, a, b, s);
-    resolve(out, b, s);
+    resolve(out, b, s, event);
+    if (pairs) {
+        const double own = std::hypot(a.image[0].error, b.image[0].error), left = own > 0 ? (*pairs)[0].error / own : 1;
+        out.sharedNoise = 1 - left * left;
+    }
     if (out.image.significant())
         out.verdict = Verdict::biased;
     else if (out.tiles.significant() || out.pixels.significant())
@@ -147,7 +181,9 @@ Agreement agree(const Replicates& test, const Replicates& reference, const Agree
     std::vector<uint8_t> bad = test.badTiles();
     const std::vector<uint8_t> others = reference.badTiles();
     for (std::size_t t = 0; t < bad.size(); ++t) bad[t] |= others[t];
-    Agreement out = decide(test.evidence(bad), reference.evidence(bad), s);
+    std::optional<Pairs> pairs;
+    if (s.paired) pairs = pairedDifferences(test, reference, bad);
+    Agreement out = decide(test.evidence(bad), reference.evidence(bad), s, pairs ? &*pairs : nullptr);
     out.nonFinitePixels = test.nonFinitePixels() + reference.nonFinitePixels();
     out.tilesLeftOut = std::size_t(std::count(bad.begin(), bad.end(), 1));
     return out;

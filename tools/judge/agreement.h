@@ -12,6 +12,12 @@
 // Pictures with error layers are judged by image and tiles alone: their errors are pooled over a neighbourhood, and one bright sample
 // would stand many pooled errors away from its neighbours in either picture.
 //
+// Replicates made in pairs, where both sides have drawn the same random numbers: the image is tested by the spread of their differences
+// (t with one degree of freedom less than the pairs), which has lost all noise that the sides share, such as that of the positions in a
+// pixel. Two sides that share a seed differ in expectation exactly as two that do not. Less noise lets smaller accidents be seen: that one
+// side has met a few bright events fewer than it should. A difference worth n events of the picture's own height comes so by chance with
+// exp(-n) (rare_events.h); p is no smaller. Tiles and pixels keep their own errors: there such accidents are the rule.
+//
 // A method that is constant (Whitted) or a dark pixel has no spread: differences within `rounding` of the larger mean count as equal.
 #pragma once
 #include "tools/judge/replicates.h"
@@ -25,6 +31,7 @@ struct AgreementSettings {
     double confidence = 0.95;       // of the intervals
     double rounding = 1e-6;         // relative error of a float32 picture
     double samplesPerReplicate = 1; // samples a pixel; turns replicates into samples in the answer
+    bool paired = false;            // replicate r of both sides has drawn the same random numbers
 };
 
 enum class Verdict { agrees, biased, differs, cannotTell };
@@ -57,16 +64,17 @@ struct Agreement {
     std::size_t compared = 0, nonFinitePixels = 0, tilesLeftOut = 0;
     double skewness = 0;         // larger one of the replicate means: beyond 0.5, distrust one-sample tests
     double replicates = 0;       // of the side that has fewer
+    double sharedNoise = 0;      // of paired sides: the share of the variance of the mean luminance's difference that is gone with it
     double neededReplicates = 0; // a side, for a resolution of the margin
     double moreSamples = 0;      // a pixel and side, for the same; 0: resolved
 };
 
-// Both sides have two replicates or more (Exit::unsupported else), of equal size, region and tile.
+// Both sides have two replicates or more (Exit::unsupported else), of equal size, region and tile; as many as the other where paired.
 Agreement agree(const Replicates& test, const Replicates& reference, const AgreementSettings& = {});
 // Two pictures with error layers. Their errors must be right: a film's, pooled, errs on the safe side.
 Agreement agree(const Picture& test, const Picture& reference, const Region& = {}, const AgreementSettings& = {});
-// The rule itself.
-Agreement decide(Evidence test, Evidence reference, const AgreementSettings&);
+// The rule itself. pairs: the differences of the image's means, test - reference, by pairs of replicates.
+Agreement decide(Evidence test, Evidence reference, const AgreementSettings&, const std::array<Estimate, meanCount>* pairs = nullptr);
 
 // "agrees: ...", "biased by 1.02 % +- 0.30 %", "differs: ...", "cannot tell yet: needs 96 more samples ...".
 std::string describe(const Agreement&, const AgreementSettings& = {});

@@ -64,6 +64,16 @@ void raise(Estimate& a, double heightA, Estimate& b, double heightB) noexcept {
 }
 } // namespace
 
+double missedP(double difference, double height) noexcept {
+    return height > 0 && difference != 0 ? std::exp(-std::abs(difference) / height) : 0;
+}
+
+double eventHeight(const Evidence& e) noexcept {
+    Height whole;
+    for (const Estimate& p : e.pixels) whole.add(p);
+    return e.compared > 0 ? whole.value() / double(e.compared) : 0;
+}
+
 void floorRareEvents(Evidence& a, Evidence& b) {
     if (!a.pooled && !b.pooled && a.pixels.size() == b.pixels.size()) {
         const std::vector<double> heightsA = pixelHeights(a), heightsB = pixelHeights(b);

@@ -11,6 +11,12 @@
 // `enoughEvents` on that is below 1e-13, less than any test here asks for, and the place's own variance is believed. So a wrong pixel or
 // tile under ordinary noise is found as if there were no floor.
 //
+// Where rare events come on top of much ordinary light, variance/mean is far less than their height, and a place that has met a few too few
+// of them looks well known. There the asymmetry of the noise speaks: events of height h have the third cumulant h^3 E[n], so that third
+// over second is h, however much even light they lie on (Evidence::events, by tile). A difference d is worth |d|/h events, all of which one
+// side may miss by chance with exp(-|d|/h), whatever its errors say: no p is smaller. Ordinary noise has so small an h that this never
+// shows.
+//
 // The neighbourhood of a pixel is its tile, that of a tile the 3x3 tiles around it; where a side has no spread there at all, its whole
 // picture. A method without dice has no spread anywhere and gets no floor.
 #pragma once
@@ -19,6 +25,10 @@
 namespace chiaro::judge {
 
 inline constexpr double enoughEvents = 30;
+// Probability that no event comes where so many of this height are expected as make up the difference.
+double missedP(double difference, double height) noexcept;
+// Height of one event in the mean of the picture: that of its pixels, divided by their number. Of errors as they were estimated.
+double eventHeight(const Evidence&) noexcept;
 // In place, both sides of one size and tile: raises the errors of tiles, and those of pixels where they are not pooled already.
 void floorRareEvents(Evidence& a, Evidence& b);
 

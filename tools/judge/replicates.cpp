@@ -20,7 +20,9 @@ Values valuesAt(const std::vector<float>& plane, std::size_t pixel) noexcept {
 }
 
 Evidence blank(uint32_t width, uint32_t height, uint32_t tile) {
-    Evidence e{width, height, tile, tilesAlong(width, tile), tilesAlong(height, tile), {}, {}, {}, 0, 1, 0};
+    Evidence e;
+    e.width = width, e.height = height, e.tile = tile;
+    e.tilesX = tilesAlong(width, tile), e.tilesY = tilesAlong(height, tile);
     e.pixels.assign(std::size_t(width) * height, {nan, 0, 0});
     e.tiles.assign(std::size_t(e.tilesX) * e.tilesY, {nan, 0, 0});
     return e;
@@ -57,9 +59,11 @@ void Replicates::add(const Picture& p) {
             bad_[i] = 1;
             continue;
         }
-        const double delta = v[0] - pixels_[i].mean;
-        pixels_[i].mean += delta / n;
-        pixels_[i].m2 += delta * (v[0] - pixels_[i].mean);
+        Running& at = pixels_[i];
+        const double delta = v[0] - at.mean, step = delta / n, term = delta * step * (n - 1);
+        at.m3 += term * step * (n - 2) - 3 * step * at.m2;
+        at.m2 += term;
+        at.mean += step;
         Values& sum = sums_.back()[tileOf(i)];
         for (std::size_t k = 0; k < meanCount; ++k) sum[k] += v[k];
     }
@@ -77,21 +81,47 @@ std::vector<uint8_t> Replicates::badTiles() const {
     return bad;
 }
 
+// Third cumulant over second, of the means of the pixels of each tile: (m3/n^3) / (m2/(n (n - 1))).
+std::vector<double> Replicates::eventHeights(const std::vector<uint8_t>& leftOut) const {
+    struct Sums {
+        double second = 0, third = 0;
+        double height(double n) const noexcept { return second > 0 && third > 0 ? third / second * (n - 1) / (n * n) : 0; }
+    };
+    std::vector<Sums> tiles(tileCounts_.size());
+    Sums whole;
+    for (std::size_t i = 0; i < pixels_.size(); ++i) {
+        if (!keep_[i] || leftOut[tileOf(i)]) continue;
+        for (Sums* s : {&tiles[tileOf(i)], &whole}) s->second += pixels_[i].m2, s->third += pixels_[i].m3;
+    }
+    std::vector<double> heights;
+    for (const Sums& s : tiles) heights.push_back((s.second > 0 ? s : whole).height(double(count())));
+    return heights;
+}
+
+std::array<double, meanCount> Replicates::means(std::size_t replicate, const std::vector<uint8_t>& leftOut) const {
+    const std::vector<Values>& tiles = sums_[replicate];
+    std::size_t compared = 0;
+    for (std::size_t t = 0; t < tiles.size(); ++t) compared += leftOut[t] ? 0 : tileCounts_[t];
+    Values whole;
+    for (std::size_t k = 0; k < meanCount; ++k)
+        whole[k] = pairwiseSum(0, tiles.size(), [&](std::size_t t) { return leftOut[t] ? 0.0 : tiles[t][k]; }) / double(compared);
+    return whole;
+}
+
 Evidence Replicates::evidence(const std::vector<uint8_t>& leftOut) const {
     Evidence e = blank(width_, height_, tile_);
     const double n = double(count()), dof = n - 1;
     e.replicates = n;
     for (std::size_t i = 0; i < pixels_.size(); ++i)
         if (keep_[i] && !leftOut[tileOf(i)]) e.pixels[i] = {pixels_[i].mean, std::sqrt(pixels_[i].m2 / (n * dof)), dof}, ++e.compared;
+    e.events = eventHeights(leftOut);
     std::array<Moments, meanCount> image;
     std::vector<Moments> tiles(tileCounts_.size());
-    for (const auto& replicate : sums_) {
+    for (std::size_t r = 0; r < sums_.size(); ++r) {
         for (std::size_t t = 0; t < tiles.size(); ++t)
-            if (tileCounts_[t] > 0) tiles[t].add(replicate[t][0] / tileCounts_[t]);
-        for (std::size_t k = 0; k < meanCount; ++k) {
-            const double sum = pairwiseSum(0, tiles.size(), [&](std::size_t t) { return leftOut[t] ? 0.0 : replicate[t][k]; });
-            image[k].add(sum / double(e.compared));
-        }
+            if (tileCounts_[t] > 0) tiles[t].add(sums_[r][t][0] / tileCounts_[t]);
+        const Values whole = means(r, leftOut);
+        for (std::size_t k = 0; k < meanCount; ++k) image[k].add(whole[k]);
     }
     for (std::size_t t = 0; t < tiles.size(); ++t)
         if (tileCounts_[t] > 0 && !leftOut[t]) e.tiles[t] = estimate(tiles[t]);
@@ -101,21 +131,36 @@ Evidence Replicates::evidence(const std::vector<uint8_t>& leftOut) const {
 }
 
 Replicates::State Replicates::state() const {
-    State s{bad_, {}, {}, sums_};
+    State s{bad_, {}, {}, {}, sums_};
     for (const Running& p : pixels_) {
         s.mean.push_back(p.mean);
         s.m2.push_back(p.m2);
+        s.m3.push_back(p.m3);
     }
     return s;
 }
 
 void Replicates::restore(State s) {
-    bool fits = s.bad.size() == bad_.size() && s.mean.size() == bad_.size() && s.m2.size() == bad_.size();
+    bool fits = s.bad.size() == bad_.size() && s.mean.size() == bad_.size() && s.m2.size() == bad_.size() && s.m3.size() == bad_.size();
     for (const auto& replicate : s.sums) fits &= replicate.size() == tileCounts_.size();
     if (!fits) throw Error(Exit::unsupported, "replicates of another size cannot be gone on with");
     bad_ = std::move(s.bad);
     sums_ = std::move(s.sums);
-    for (std::size_t i = 0; i < pixels_.size(); ++i) pixels_[i] = {s.mean[i], s.m2[i]};
+    for (std::size_t i = 0; i < pixels_.size(); ++i) pixels_[i] = {s.mean[i], s.m2[i], s.m3[i]};
+}
+
+std::array<Estimate, meanCount> pairedDifferences(const Replicates& test, const Replicates& reference,
+                                                  const std::vector<uint8_t>& leftOut) {
+    if (test.count() != reference.count())
+        throw Error(Exit::unsupported, fmt::format("{} and {} replicates are no pairs", test.count(), reference.count()));
+    std::array<Moments, meanCount> differences;
+    for (std::size_t r = 0; r < test.count(); ++r) {
+        const Values a = test.means(r, leftOut), b = reference.means(r, leftOut);
+        for (std::size_t k = 0; k < meanCount; ++k) differences[k].add(a[k] - b[k]);
+    }
+    std::array<Estimate, meanCount> all;
+    for (std::size_t k = 0; k < meanCount; ++k) all[k] = estimate(differences[k]);
+    return all;
 }
 
 std::vector<uint8_t> badTiles(const Picture& p, const Region& region, uint32_t tile) {

@@ -15,6 +15,7 @@ const char* meanName(Mean) noexcept; // "Y", "R", "G", "B"
 struct Evidence {
     uint32_t width = 0, height = 0, tile = 0, tilesX = 0, tilesY = 0;
     std::vector<Estimate> pixels, tiles; // luminance; a NaN mean: left out
+    std::vector<double> events;          // a tile: height of one bright event in the mean of a pixel (rare_events.h); empty: unknown
     std::array<Estimate, meanCount> image;
     double skewness = 0; // of the luminance means of the replicates
     double replicates = 1;
@@ -22,7 +23,7 @@ struct Evidence {
     bool pooled = false;      // the errors of pixels are those of their neighbourhood: no pixel can be tested alone
 };
 
-// Accumulates replicate after replicate: two doubles a pixel, and four a tile and replicate.
+// Accumulates replicate after replicate: three doubles a pixel, and four a tile and replicate.
 class Replicates {
 public:
     Replicates(uint32_t width, uint32_t height, const Region& = {}, uint32_t tile = 8);
@@ -36,10 +37,13 @@ public:
     // Tiles marked in `leftOut` count at no scale: give both sides the union of their bad tiles.
     Evidence evidence(const std::vector<uint8_t>& leftOut) const;
 
+    // Luminance, R, G, B of the picture of one replicate.
+    std::array<double, meanCount> means(std::size_t replicate, const std::vector<uint8_t>& leftOut) const;
+
     // All that was accumulated, as plain values: to be kept in a file, and to go on from there.
     struct State {
         std::vector<uint8_t> bad;                                     // a pixel
-        std::vector<double> mean, m2;                                 // a pixel: luminance, and the sum of its squared deviations
+        std::vector<double> mean, m2, m3;                             // a pixel: luminance, and sums of its deviations, squared and cubed
         std::vector<std::vector<std::array<double, meanCount>>> sums; // [replicate][tile]
     };
     State state() const;
@@ -48,8 +52,9 @@ public:
 
 private:
     std::size_t tileOf(std::size_t pixel) const noexcept;
+    std::vector<double> eventHeights(const std::vector<uint8_t>& leftOut) const;
     struct Running {
-        double mean = 0, m2 = 0;
+        double mean = 0, m2 = 0, m3 = 0;
     };
     uint32_t width_, height_, tile_, tilesX_, tilesY_;
     std::vector<uint8_t> keep_, bad_; // a pixel
@@ -57,6 +62,10 @@ private:
     std::vector<uint32_t> tileCounts_;
     std::vector<std::vector<std::array<double, meanCount>>> sums_; // [replicate][tile]
 };
+
+// Of replicates that were made in pairs: the mean of the differences test - reference, and its error by their spread. Throws
+// Exit::unsupported where one side has more.
+std::array<Estimate, meanCount> pairedDifferences(const Replicates& test, const Replicates& reference, const std::vector<uint8_t>& leftOut);
 
 // Tiles with a value or an error that is not finite.
 std::vector<uint8_t> badTiles(const Picture&, const Region&, uint32_t tile = 8);

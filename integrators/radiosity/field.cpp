@@ -1,0 +1,190 @@
+#include "integrators/radiosity/field.h"
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+namespace chiaro::radiosity {
+namespace {
+
+constexpr uint32_t mostApart = 64;
+constexpr uint64_t perChunk = 256;
+
+// Which patches stand at which point.
+struct Corners {
+    std::vector<uint32_t> begin, patch;
+    explicit Corners(const Patches& patches) : begin(patches.points() + 1) {
+        for (const Patch& p : patches.all())
+            for (uint32_t c = 0; c < p.corners; ++c) ++begin[p.vertex[c] + 1];
+        for (std::size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];
+        patch.resize(begin.back());
+        std::vector<uint32_t> next(begin.begin(), begin.end() - 1);
+        for (uint32_t i = 0; i < patches.size(); ++i)
+            for (uint32_t c = 0; c < patches[i].corners; ++c) patch[next[patches[i].vertex[c]]++] = i;
+    }
+    std::span<const uint32_t> at(uint32_t point) const noexcept { return {patch.data() + begin[point], begin[point + 1] - begin[point]}; }
+};
+
+// A plane through the value of a patch, by least squares over its neighbours, and the range that it should keep to.
+struct Slope {
+    Vec3 gradient[3];
+    Spectrum least{0}, most{0};
+};
+
+void widen(Spectrum& least, Spectrum& most, const Spectrum& v) noexcept {
+    for (std::size_t c = 0; c < 3; ++c) {
+        least[c] = min(least[c], v[c]);
+        most[c] = max(most[c], v[c]);
+    }
+}
+
+Slope slopeOf(const Patches& patches, const Corners& corners, const std::vector<Spectrum>& values, uint32_t i) {
+    const Patch& p = patches[i];
+    const Frame frame = Frame::about(p.normal);
+    double xx = 0, xy = 0, yy = 0, bx[3] = {}, by[3] = {};
+    Slope s;
+    s.least = s.most = values[i];
+    for (uint32_t c = 0; c < p.corners; ++c)
+        for (const uint32_t j : corners.at(p.vertex[c])) {
+            if (j == i) continue;
+            const Vec3 way = patches[j].centre - p.centre;
+            const double x = double(dot(way, frame.x)), y = double(dot(way, frame.y)), w = 1 / std::max(x * x + y * y, 1e-30);
+            xx += w * x * x;
+            xy += w * x * y;
+            yy += w * y * y;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const double d = w * double(values[j][k] - values[i][k]);
+                bx[k] += d * x;
+                by[k] += d * y;
+            }
+            widen(s.least, s.most, values[j]);
+        }
+    const double det = xx * yy - xy * xy, trace = xx + yy;
+    if (det > 1e-3 * trace * trace)
+        for (std::size_t k = 0; k < 3; ++k)
+            s.gradient[k] = frame.x * float((bx[k] * yy - by[k] * xy) / det) + frame.y * float((by[k] * xx - bx[k] * xy) / det);
+    const Spectrum reach = (s.most - s.least) * 0.5f;
+    s.least = s.least - reach;
+    s.most = s.most + reach;
+    return s;
+}
+
+template <class F> void forAll(const Executor& run, uint64_t n, F&& one) {
+    run.chunks((n + perChunk - 1) / perChunk,
+               [&](uint64_t chunk) {
+                   for (uint64_t i = chunk * perChunk; i < std::min(n, (chunk + 1) * perChunk); ++i) one(uint32_t(i));
+               },
+               nullptr);
+}
+
+} // namespace
+
+Field::Field(const Executor& run, const Patches& patches, const Solution& solution) {
+    for (const Lights3& term : solution.terms) {
+        std::vector<Spectrum>& to = constant_.emplace_back(term.size());
+        std::transform(term.begin(), term.end(), to.begin(),
+                       [](const Light& l) { return Spectrum(float(l[0]), float(l[1]), float(l[2])); });
+    }
+    interpolate(run, patches);
+}
+
+void Field::interpolate(const Executor& run, const Patches& patches) {
+    const Corners corners(patches);
+    atPoints_.assign(constant_.size(), std::vector<Spectrum>(patches.points(), Spectrum(0)));
+    std::vector<Vec3> places(patches.points());
+    for (const Patch& p : patches.all())
+        for (uint32_t c = 0; c < p.corners; ++c) places[p.vertex[c]] = p.corner[c];
+    std::vector<Slope> slopes(patches.size());
+    for (std::size_t term = 0; term < constant_.size(); ++term) {
+        const std::vector<Spectrum>& values = constant_[term];
+        forAll(run, patches.size(), [&](uint32_t i) { slopes[i] = slopeOf(patches, corners, values, i); });
+        forAll(run, patches.points(), [&](uint32_t point) {
+            Spectrum sum(0);
+            float weights = 0;
+            for (const uint32_t i : corners.at(point)) {
+                const Vec3 way = places[point] - patches[i].centre;
+                const float w = 1 / max(length(way), std::numeric_limits<float>::min());
+                const Slope& s = slopes[i];
+                Spectrum v;
+                for (std::size_t c = 0; c < 3; ++c)
+                    v[c] = max(std::clamp(values[i][c] + dot(s.gradient[c], way), s.least[c], s.most[c]), 0.f);
+                sum += v * w;
+                weights += w;
+            }
+            if (weights > 0) atPoints_[term][point] = sum * (1 / weights);
+        });
+    }
+}
+
+Spectrum Field::interpolated(const Patches& patches, uint32_t term, const Patches::Place& at) const noexcept {
+    const Patch& p = patches[at.patch];
+    const std::vector<Spectrum>& v = atPoints_[term];
+    const float s = at.s, t = at.t;
+    if (p.corners == 3) return v[p.vertex[0]] * (1 - s - t) + v[p.vertex[1]] * s + v[p.vertex[2]] * t;
+    return v[p.vertex[0]] * ((1 - s) * (1 - t)) + v[p.vertex[1]] * (s * (1 - t)) + v[p.vertex[2]] * (s * t) +
+           v[p.vertex[3]] * ((1 - s) * t);
+}
+
+void Field::save(Writer& to) const {
+    to.value(uint32_t(constant_.size()));
+    for (const std::vector<Spectrum>& term : constant_) to.array(term);
+}
+
+void Field::load(const Executor& run, const Patches& patches, Reader& from) {
+    const auto n = from.value<uint32_t>();
+    if (n > 2 * mostApart) from.refuse("not a radiosity solution: too many terms");
+    constant_.clear();
+    for (uint32_t i = 0; i < n; ++i) {
+        constant_.push_back(from.array<Spectrum>());
+        if (constant_.back().size() != patches.size()) from.refuse("radiosity of another mesh of patches; solve it again");
+    }
+    interpolate(run, patches);
+}
+
+LightKind anyKind(const Scene& scene) {
+    if (scene.counts().emissiveTriangles > 0) return LightKind::area;
+    if (scene.counts().punctualLights > 0) return LightKind::delta;
+    return LightKind::environment;
+}
+
+std::vector<PathState> arrivalsThroughMirrors(const PathClasses& classes) {
+    std::vector<PathState> all{classes.eye()};
+    std::vector<bool> seen(classes.states());
+    seen[classes.eye()] = seen[0] = true;
+    for (std::size_t i = 0; i < all.size(); ++i)
+        for (const Event e : {Event::GR, Event::GT, Event::SR, Event::ST}) {
+            const PathState next = classes.eye(all[i], e);
+            if (seen[next]) continue;
+            seen[next] = true;
+            all.push_back(next);
+        }
+    return all;
+}
+
+uint32_t termsApart(const PathClasses& classes, const Scene& scene, std::span<const PathState> arrivals) {
+    std::vector<LightKind> kinds;
+    if (scene.counts().emissiveTriangles > 0) kinds.push_back(LightKind::area);
+    if (scene.counts().punctualLights > 0) kinds.push_back(LightKind::delta);
+    if (scene.lights().hasEnvironment()) kinds.push_back(LightKind::environment);
+    if (kinds.empty()) return 0;
+    uint32_t apart = 0;
+    for (const PathState arrival : arrivals) {
+        PathState state = classes.eye(arrival, Event::DR);
+        Layer layer = 0;
+        for (uint32_t k = 0; k < mostApart; ++k) {
+            const Layer here = state ? classes.reached(state, kinds[0]) : Layer(0);
+            for (const LightKind kind : kinds)
+                if (state && classes.reached(state, kind) != here)
+                    throw Error(Exit::unsupported,
+                                "radiosity does not tell light of surfaces, of lamps without extent and of the environment "
+                                "apart once it is scattered: write L for La, Ld and Le in --paths and --split");
+            if (k > 0 && here != layer) apart = std::max(apart, k);
+            layer = here;
+            const PathState next = state ? classes.eye(state, Event::DR) : PathState(0);
+            if (next == state) break;
+            state = next;
+        }
+    }
+    return apart;
+}
+
+} // namespace chiaro::radiosity

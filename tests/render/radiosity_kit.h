@@ -1,0 +1,78 @@
+// What the tests of radiosity share: solving a scene without a view of it, and asking for the irradiance at a place.
+#pragma once
+#include "integrators/radiosity/field.h"
+#include "integrators/radiosity/solve.h"
+#include "tests/render/measure.h"
+#include <memory>
+#include <vector>
+
+namespace chiaro::test {
+
+struct Solved {
+    radiosity::Patches patches;
+    radiosity::Solution solution;
+    double patchSeconds = 0;
+};
+
+class RadiosityBench {
+public:
+    explicit RadiosityBench(const Scene& s, unsigned threads = 1, uint64_t seed = 0)
+        : scene(s), run(threads), work{scene, classes, scene.shutter(), seed, SamplerKind::sobol, run, stop, progress, notes} {}
+    Solved solve(const radiosity::PatchSettings& cut, const radiosity::SolveSettings& how) const {
+        Solved s;
+        s.patches = radiosity::Patches::of(work, cut);
+        s.solution = radiosity::solve(work, s.patches, how);
+        CHECK(s.solution.complete);
+        return s;
+    }
+    // The patch that is seen from `from` along `direction`, in coordinates of the description.
+    uint32_t seen(const radiosity::Patches& patches, const Vec3d& from, const Vec3d& direction) const {
+        const Vec3 d = normalize(cast<float>(direction));
+        const Hit hit = scene.intersect(rayFrom(local(scene, from), d));
+        REQUIRE(hit);
+        const uint32_t patch = patches.seen(hit, d);
+        REQUIRE(patch != ~0u);
+        return patch;
+    }
+
+    const Scene& scene;
+    PathClasses classes;
+    Executor run;
+    StopToken stop;
+    Progress progress;
+    Diagnostics notes;
+    Work work;
+};
+
+// Mean over area of what is asked of each patch that `counts` lets count.
+template <class Counts, class Value> double meanOver(const radiosity::Patches& patches, Counts counts, Value value) {
+    double sum = 0, area = 0;
+    for (uint32_t i = 0; i < patches.size(); ++i)
+        if (counts(patches[i])) {
+            sum += value(i) * double(patches[i].area);
+            area += double(patches[i].area);
+        }
+    return area > 0 ? sum / area : 0;
+}
+inline double radiosityOf(const Solved& s, uint32_t i) {
+    const radiosity::Patch& p = s.patches[i];
+    return double(luminance(p.emission)) + double(luminance(p.reflectance)) * luminance(s.solution.irradiance(i));
+}
+
+inline PrimitiveDesc unitFace(int axis, int side) {
+    Vec3d centre, normal;
+    (axis == 0 ? centre.x : axis == 1 ? centre.y : centre.z) = 0.5 * side;
+    (axis == 0 ? normal.x : axis == 1 ? normal.y : normal.z) = -side;
+    return plate(centre, normal, 0.5);
+}
+// The closed cube of rows A13 and A16: the ceiling shines with E = 1 (radiance 1 / pi).
+inline SceneDesc emittingCube(float rho) {
+    SceneDesc s;
+    const int lamp = shapes::add(s, shapes::lamp("lamp", Spectrum(float(1 / std::numbers::pi)), Spectrum(rho))),
+              wall = shapes::add(s, shapes::diffuse("wall", Spectrum(rho)));
+    for (int axis = 0; axis < 3; ++axis)
+        for (const int side : {-1, 1}) shapes::add(s, "face", unitFace(axis, side), axis == 1 && side == 1 ? lamp : wall);
+    return s;
+}
+
+} // namespace chiaro::test
