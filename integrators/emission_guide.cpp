@@ -5,10 +5,10 @@ namespace chiaro {
 namespace {
 
 constexpr int bins = 8;                // a cell is cut at an eighth of its side, at two, ...
-constexpr std::size_t fewest = 64;     // samples of the pilot in a cell that is cut
+constexpr std::size_t fewest = 128;    // samples of the pilot in a cell that is cut
 constexpr uint32_t deepest = 40;       // cuts one inside the other
 constexpr double least = 1e-3;         // of all, that a cut must gain
-constexpr double everywhere = 0.1;     // share of the particles that go evenly: what the pilot overlooked weighs ten times at most
+constexpr double everywhere = 0.2;     // share of the particles that go evenly: what the pilot overlooked weighs five times at most
 constexpr double worthwhile = 4.0 / 3; // times less variance
 
 } // namespace
@@ -126,7 +126,10 @@ std::array<float, EmissionGuide::dimensions> EmissionGuide::numbers(const Depart
 std::shared_ptr<const EmissionGuide> EmissionGuide::learn(std::vector<Sample> samples) {
     std::vector<Sample> others;
     Learner learner;
-    for (std::size_t i = 0; i < samples.size(); ++i) (i & 1 ? others : learner.samples).push_back(samples[i]);
+    // Halves of a sequence are each well spread; every other number of one would lie in one half of the space.
+    const auto middle = samples.begin() + std::ptrdiff_t(samples.size() / 2);
+    learner.samples.assign(samples.begin(), middle);
+    others.assign(middle, samples.end());
     if (learner.samples.empty()) return nullptr;
     Learner::Cell all{.begin = 0, .end = learner.samples.size()};
     all.high.fill(1);

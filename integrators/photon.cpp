@@ -32,7 +32,7 @@ PhotonFieldPlan fieldPlan(const Options& o) {
     return p;
 }
 
-class PhotonMapping final : public CameraIntegrator, public PhotonMapSource {
+class PhotonMapping final : public CameraIntegrator, public PhotonSource {
 public:
     explicit PhotonMapping(const Options& o) : field_(fieldPlan(o)) {
         plan_.gather = uint32_t(o.integer("gather"));
@@ -53,7 +53,7 @@ public:
     void radiance(const Job& job, PathStart& start, Outputs& out) const noexcept override {
         if (plan_.global) followEye(job, plan_, start, out); // else stopped while preparing
     }
-    const PhotonField& photonField() const noexcept override { return field_; }
+    std::vector<PhotonMapView> photonMaps() const override { return field_.views(); }
 
 private:
     static bool movesInShutter(const Job& job) {

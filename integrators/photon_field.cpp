@@ -11,7 +11,7 @@ namespace chiaro {
 namespace {
 
 constexpr uint32_t globalMap = 0, causticMap = 1;
-constexpr uint64_t pilotPaths = 65536;
+constexpr uint64_t fewPilots = 65536, manyPilots = 262144;
 // Photons in the disc of a radius that is chosen automatically, where half of them are denser.
 constexpr double quantile = 0.5, globalPhotons = 50, causticPhotons = 30;
 constexpr float mostOfScene = 0.1f; // a radius, of that of the scene
@@ -74,8 +74,9 @@ void PhotonField::prepare(const Work& work, const PhotonScale& scale) {
     causticRadius_ = plan_.causticRadius * plan_.shrink;
     twoMaps_ = false;
     if (!anySpecular(work.scene)) return;
-    guide_ = learnEmission(work, std::min(pilotPaths, std::max<uint64_t>(causticPaths_ / 2, 4096)));
-    twoMaps_ = guide_ || plan_.all; // unaimed, the global map has them just as well
+    guide_ = learnEmission(work, fewPilots);
+    if (!guide_ && !work.stop.requested()) guide_ = learnEmission(work, manyPilots); // small things far from the light are easily missed
+    twoMaps_ = true;
 }
 
 bool PhotonField::traceOne(const Work& work, const PhotonRequest& request, float& radius, const RadiusChoice& choice, PhotonMap& map) {
@@ -132,6 +133,13 @@ std::string PhotonField::recipe() const {
     if (twoMaps_)
         text += fmt::format(",caustic-count={},caustic-radius={:.3g}", count(causticPaths_), double(causticRadius_ / plan_.shrink));
     return text;
+}
+
+std::vector<PhotonMapView> PhotonField::views() const {
+    std::vector<PhotonMapView> all;
+    if (global_.store().size() > 0) all.push_back({"global", global_.store().photons(), double(global_.paths())});
+    if (twoMaps_ && caustic_.store().size() > 0) all.push_back({"caustic", caustic_.store().photons(), double(caustic_.paths())});
+    return all;
 }
 
 void PhotonField::save(Writer& to) const {

@@ -4,6 +4,7 @@
 #pragma once
 #include "core/render/options.h"
 #include "integrators/photon_map.h"
+#include "integrators/photon_source.h"
 #include "integrators/photon_trace.h"
 
 namespace chiaro {
@@ -44,6 +45,7 @@ public:
     // "1.2 M photons of 262144 paths, radius 0.021 m; ...", and the options that keep it so.
     std::string summary() const;
     std::string recipe() const;
+    std::vector<PhotonMapView> views() const; // of the photons as they stand
 
     void save(Writer&) const;
     void load(const Work&, Reader&);
@@ -63,13 +65,6 @@ private:
     std::shared_ptr<const EmissionGuide> guide_;
     PhotonMap global_, caustic_;
     double seconds_ = 0;
-};
-
-// Whoever has photon maps to show: for the export as points.
-class PhotonMapSource {
-public:
-    virtual ~PhotonMapSource() = default;
-    virtual const PhotonField& photonField() const noexcept = 0; // as it stands after preparing, or after the last iteration
 };
 
 // The options that describe a field, for the integrators and the pre-pass that have one.

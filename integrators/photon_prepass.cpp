@@ -13,7 +13,7 @@ constexpr OptionSpec specs[] = {
     Field::kernel, Field::shrink,       Field::rouletteDepth,
 };
 
-class PhotonPrepass final : public Prepass, public PhotonMapSource {
+class PhotonPrepass final : public Prepass, public PhotonSource {
 public:
     explicit PhotonPrepass(const Options& o) : field_(Field::plan(o)) {}
     void solve(const Work& work) override {
@@ -33,7 +33,7 @@ public:
     }
     void save(Writer& to) const override { field_.save(to); }
     void load(const Work& work, Reader& from) override { field_.load(work, from); }
-    const PhotonField& photonField() const noexcept override { return field_; }
+    std::vector<PhotonMapView> photonMaps() const override { return field_.views(); }
 
 private:
     PhotonField field_;

@@ -99,6 +99,8 @@ template <class Limit, class F> void PhotonStore::visit(const Vec3& p, float rad
         for (uint32_t i = begin; i < end; ++i)
             if (const float d2 = lengthSquared(photons[i].p - p); d2 < limit2() && accept(photons[i].p)) f(i, d2);
     };
+    if (double(x1 - x0 + 1) * (y1 - y0 + 1) * (z1 - z0 + 1) > double(photons_.size())) // more cells than photons
+        return run(0, uint32_t(photons_.size()), [](const Vec3&) { return true; });
     for (int32_t z = z0; z <= z1; ++z)
         for (int32_t y = y0; y <= y1; ++y) {
             if (!g.hashed) { // neighbours along x lie one behind the other

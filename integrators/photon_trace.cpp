@@ -56,8 +56,9 @@ Fate walkOne(const Work& work, const PhotonRequest& request, Begun& begun, std::
     Storing visitor{request.kinds, photons};
     return walkParticle(work, *begun.emission, begun.emission->flux, begun.sampler, {request.rouletteDepth, log}, visitor);
 }
-void gatherIn(const Work& work, const PhotonRequest& request, uint64_t begin_, uint64_t end, Harvest& to) {
-    for (uint64_t k = begin_; k < end; ++k) {
+void gatherIn(const Work& work, const PhotonRequest& request, uint64_t first, uint64_t last, std::size_t expected, Harvest& to) {
+    to.photons.reserve(expected);
+    for (uint64_t k = first; k < last; ++k) {
         Begun begun = begin(work, request, request.iteration * request.paths + k);
         if (!begun.emission) continue;
         to.emitted += double(luminance(begun.emission->flux));
@@ -94,14 +95,14 @@ TracedPhotons tracePhotons(const Work& work, const PhotonRequest& request) {
     const auto start = std::chrono::steady_clock::now();
     const uint64_t chunks = (request.paths + chunkPaths - 1) / chunkPaths, trial = std::min(chunks, trialChunks);
     std::vector<Harvest> harvests(chunks);
-    const auto trace = [&](uint64_t first, uint64_t last) {
+    const auto trace = [&](uint64_t first, uint64_t last, std::size_t expected) {
         const auto task = [&](uint64_t i) {
             const uint64_t c = first + i;
-            gatherIn(work, request, c * chunkPaths, std::min(request.paths, (c + 1) * chunkPaths), harvests[c]);
+            gatherIn(work, request, c * chunkPaths, std::min(request.paths, (c + 1) * chunkPaths), expected, harvests[c]);
         };
         return work.run.chunks(last - first, task, &work.stop);
     };
-    bool whole = trace(0, trial);
+    bool whole = trace(0, trial, 0);
     std::size_t few = 0;
     for (const Harvest& h : harvests) few += h.photons.size();
     const double share = trial > 0 ? double(std::min(request.paths, trial * chunkPaths)) / double(request.paths) : 1;
@@ -111,7 +112,7 @@ TracedPhotons tracePhotons(const Work& work, const PhotonRequest& request) {
                     fmt::format("the photons of {} light paths need about {:.2g} GB while they are sorted, limit {:.2g} GB; "
                                 "ask for fewer, or allow more with --max-memory",
                                 request.paths, gigabytes(needed), gigabytes(double(work.memoryLimit))));
-    whole = whole && trace(trial, chunks);
+    whole = whole && trace(trial, chunks, few / std::max<uint64_t>(1, trial) * 9 / 8);
 
     TracedPhotons traced;
     PhotonStatistics& s = traced.statistics;

@@ -32,7 +32,7 @@ constexpr float firstRadius = 2;    // widths of a pixel
 constexpr float mostOfScene = 0.1f; // of its radius
 constexpr double leastPaths = 4096, mostPaths = 1 << 22;
 
-class Sppm final : public Integrator, public PhotonMapSource {
+class Sppm final : public Integrator, public PhotonSource {
 public:
     explicit Sppm(const Options& o)
         : ownRadii_(o.text("schedule") == "pixel"), alpha_(o.real("alpha")), radius_(float(o.real("radius"))),
@@ -48,7 +48,7 @@ public:
     void render(const Job&, const Pass&, Film&) override;
     void save(Writer&) const override;
     void load(const Job&, Reader&) override;
-    const PhotonField& photonField() const noexcept override { return photons_; }
+    std::vector<PhotonMapView> photonMaps() const override { return photons_.views(); }
 
 private:
     bool iterate(const Job&, uint32_t iteration, const SampleMask*, Film&);

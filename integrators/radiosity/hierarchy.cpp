@@ -83,16 +83,16 @@ void Hierarchy::describe(Node& n) const {
     n.centre = cast<float>(centre * (1 / n.area));
     const double long_ = length(axis);
     n.axis = long_ > 1e-3 * n.area ? cast<float>(axis * (1 / long_)) : patches_[order_[n.first]].normal;
-    float deepest = 0;
     for (uint32_t i = n.first; i < n.first + n.count; ++i) {
         const Patch& p = patches_[order_[i]];
-        n.spread = max(n.spread, std::acos(std::clamp(dot(p.normal, n.axis), -1.f, 1.f)));
+        n.error = max(n.error, p.error);
+        n.spread = max(n.spread, 2 * std::asin(min(length(p.normal - n.axis) / 2, 1.f))); // exact for small angles
         for (uint32_t c = 0; c < p.corners; ++c) {
             n.radius = max(n.radius, length(p.corner[c] - n.centre));
-            deepest = max(deepest, std::fabs(dot(p.corner[c] - n.centre, n.axis)));
+            n.depth = max(n.depth, std::fabs(dot(p.corner[c] - n.centre, n.axis)));
         }
     }
-    n.flat = n.spread < 2e-3f && deepest <= 1e-3f * n.radius;
+    n.flat = n.spread < 1e-4f && n.depth <= max(1e-4f * n.radius, 4 * n.error);
 }
 
 uint32_t Hierarchy::pick(uint32_t node, float u) const noexcept {

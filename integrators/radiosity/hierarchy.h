@@ -19,6 +19,8 @@ public:
         Vec3 axis;        // mean normal
         float spread = 0; // largest angle of a normal with it, radians
         double area = 0;
+        float depth = 0;   // of its points from the plane through the centre
+        float error = 0;   // bound of the rounding of its points, metres
         bool flat = false; // in one plane: it cannot see itself
         bool leaf() const noexcept { return right == none; }
     };

@@ -1,6 +1,7 @@
 // From the mesh to the patches: how large, which sides, cut, measured, numbered.
 #include "core/math/sobol.h"
 #include "core/math/warp.h"
+#include "integrators/radiosity/patch_points.h"
 #include "integrators/radiosity/patch_sides.h"
 #include "integrators/radiosity/patch_surface.h"
 #include "integrators/radiosity/patch_table.h"
@@ -26,8 +27,6 @@ private:
     std::array<uint32_t, 4> segmentsOfFacet(const Facet&) const;
     void layOut(float size, Patches&, Patches::Table&);
     void fill(uint32_t facet, float size, Patches&, Patches::Table&) const;
-    void numberPoints();
-    uint32_t vertexNumber(uint32_t facet, const Cut&, uint32_t point) const;
     Vec3 position(const Facet&, const std::array<Vec3, 4>& corner, const Cut&, uint32_t point) const;
     void measure(uint32_t facet, const Cut&, std::span<Patch> front, std::span<Patch> back) const;
     void compactPoints(Patches&) const;
@@ -38,13 +37,8 @@ private:
     PatchSettings settings_;
     PatchMesh mesh_;
     std::vector<uint8_t> backs_;
-    std::vector<uint32_t> segments_; // of each strand
-    // Numbers of points before sides and compaction: corners by sets of facet corners that are smooth neighbours, then edges, then insides.
-    std::vector<uint32_t> firstCorner_; // of each facet, in cornerNumber_
-    std::vector<uint32_t> cornerNumber_;
-    std::vector<uint32_t> firstOfEdge_; // of each facet's edges, in the order of firstCorner_
-    std::vector<uint32_t> firstInside_; // of each facet
-    uint32_t numbers_ = 0;
+    std::vector<uint32_t> segments_;      // of each strand
+    std::optional<PointNumbers> numbers_; // before sides and compaction
 };
 
 std::array<Vec3, 4> PatchBuilder::corners(const Facet& f) const {
@@ -56,8 +50,7 @@ std::array<Vec3, 4> PatchBuilder::corners(const Facet& f) const {
 void PatchBuilder::refuse() const {
     throw Error(Exit::resources,
                 fmt::format("{}: more than {} patches. {}", work_.scene.name().empty() ? "the scene" : work_.scene.name(), settings_.most,
-                            settings_.size > 0 ? "Ask for larger ones, or raise the limit."
-                                               : "A patch is no larger than a triangle: simplify the scene, or raise the limit."));
+                            settings_.size > 0 ? "Ask for larger ones." : "A patch is no larger than a triangle: simplify the scene."));
 }
 
 void PatchBuilder::refuseEarly() const {
@@ -112,67 +105,6 @@ float PatchBuilder::sizeFor(uint64_t wanted) {
         (meet(middle) < wanted ? large : small) = middle;
     }
     return best;
-}
-
-// Facet corners at one point share a number where they are linked by smooth edges; so do the points on a smooth edge.
-void PatchBuilder::numberPoints() {
-    firstCorner_.clear();
-    uint32_t corners = 0;
-    for (const Facet& f : mesh_.facets) {
-        firstCorner_.push_back(corners);
-        corners += f.corners;
-    }
-    Sets sets(corners);
-    std::vector<uint32_t> last(mesh_.edges.size(), ~0u); // a facet corner at the beginning of each smooth edge
-    std::vector<uint32_t> facetOfCorner(corners);
-    for (uint32_t i = 0; i < mesh_.facets.size(); ++i)
-        for (uint32_t k = 0; k < mesh_.facets[i].corners; ++k) {
-            const Facet& f = mesh_.facets[i];
-            facetOfCorner[firstCorner_[i] + k] = i;
-            if (!(f.smooth >> k & 1)) continue;
-            uint32_t& other = last[f.edge[k]];
-            const uint32_t here = firstCorner_[i] + k, next = firstCorner_[i] + (k + 1) % f.corners;
-            if (other == ~0u) {
-                other = here;
-                continue;
-            }
-            const uint32_t g = facetOfCorner[other], gk = other - firstCorner_[g]; // runs the other way
-            sets.join(here, firstCorner_[g] + (gk + 1) % mesh_.facets[g].corners);
-            sets.join(next, other);
-        }
-    numbers_ = 0;
-    cornerNumber_.assign(corners, ~0u);
-    for (uint32_t c = 0; c < corners; ++c) {
-        const uint32_t root = sets.find(c);
-        cornerNumber_[c] = root == c ? numbers_++ : cornerNumber_[root];
-    }
-    std::vector<uint32_t> ofSmooth(mesh_.edges.size(), ~0u);
-    firstOfEdge_.assign(corners, 0);
-    firstInside_.assign(mesh_.facets.size(), 0);
-    for (uint32_t i = 0; i < mesh_.facets.size(); ++i)
-        for (uint32_t k = 0; k < mesh_.facets[i].corners; ++k) {
-            const Facet& f = mesh_.facets[i];
-            const uint32_t inner = segments_[mesh_.edges[f.edge[k]].strand] - 1;
-            uint32_t& shared = ofSmooth[f.edge[k]];
-            const bool known = (f.smooth >> k & 1) && shared != ~0u;
-            firstOfEdge_[firstCorner_[i] + k] = known ? shared : numbers_;
-            shared = firstOfEdge_[firstCorner_[i] + k];
-            if (!known) numbers_ += inner;
-        }
-}
-
-uint32_t PatchBuilder::vertexNumber(uint32_t facet, const Cut& cut, uint32_t point) const {
-    const Facet& f = mesh_.facets[facet];
-    const Cut::Point& p = cut.points[point];
-    if (point < f.corners) return cornerNumber_[firstCorner_[facet] + point];
-    if (p.edge == 255) {
-        uint32_t rim = f.corners;
-        for (uint32_t k = 0; k < f.corners; ++k) rim += cut.segments[k] - 1;
-        return firstInside_[facet] + point - rim;
-    }
-    const PatchMesh::Edge& e = mesh_.edges[f.edge[p.edge]];
-    const uint32_t along = f.point[p.edge] == e.a ? p.position : cut.segments[p.edge] - p.position;
-    return firstOfEdge_[firstCorner_[facet] + p.edge] + along - 1;
 }
 
 Vec3 PatchBuilder::position(const Facet& f, const std::array<Vec3, 4>& c, const Cut& cut, uint32_t point) const {
@@ -292,12 +224,12 @@ void PatchBuilder::fill(uint32_t facet, float size, Patches& patches, Patches::T
         p.corners = cut.corners;
         for (uint32_t k = 0; k < cut.corners; ++k) {
             p.corner[k] = position(f, c, cut, cut.cells[i][k]);
-            p.vertex[k] = vertexNumber(facet, cut, cut.cells[i][k]);
+            p.vertex[k] = numbers_->of(facet, cut, cut.cells[i][k]);
         }
         shape(p, f);
         if (back.empty()) continue;
         back[i] = turned(p);
-        for (uint32_t k = 0; k < cut.corners; ++k) back[i].vertex[k] += numbers_;
+        for (uint32_t k = 0; k < cut.corners; ++k) back[i].vertex[k] += numbers_->count();
         p.other = place.back + uint32_t(i);
         back[i].other = place.front + uint32_t(i);
     }
@@ -306,7 +238,7 @@ void PatchBuilder::fill(uint32_t facet, float size, Patches& patches, Patches::T
 
 void PatchBuilder::layOut(float size, Patches& patches, Patches::Table& table) {
     segment(size);
-    numberPoints();
+    numbers_.emplace(mesh_, segments_);
     uint64_t cells = 0, nodes = 0;
     for (uint32_t i = 0; i < mesh_.facets.size(); ++i) {
         const Facet& f = mesh_.facets[i];
@@ -326,16 +258,14 @@ void PatchBuilder::layOut(float size, Patches& patches, Patches::Table& table) {
             place.back = uint32_t(cells);
             cells += count;
         }
-        firstInside_[i] = numbers_;
-        // Not more than the corners of its cells.
-        numbers_ += uint32_t(count) * 2;
+        numbers_->addInside(i, count);
     }
     table.nodes.resize(nodes);
     patches.patches_.resize(cells);
 }
 
 void PatchBuilder::compactPoints(Patches& patches) const {
-    std::vector<uint32_t> number(std::size_t(numbers_) * 2, ~0u);
+    std::vector<uint32_t> number(std::size_t(numbers_->count()) * 2, ~0u);
     for (Patch& p : patches.patches_)
         for (uint32_t k = 0; k < p.corners; ++k) {
             uint32_t& n = number[p.vertex[k]];
@@ -376,7 +306,11 @@ Patches PatchBuilder::build() {
     mesh_ = patchMesh(work_.scene, work_.shutter);
     backs_ = reachedBacks(work_, mesh_);
     const float size = settings_.size > 0 ? settings_.size : sizeFor(settings_.count);
-    if (count(size, settings_.most) > settings_.most) refuse();
+    const uint64_t n = count(size, settings_.most);
+    if (n > settings_.most) refuse();
+    if (const double bytes = double(n) * (sizeof(Patch) + 64); bytes > double(work_.memoryLimit))
+        throw Error(Exit::resources, fmt::format("{} patches need about {:.2g} GB, limit {:.2g} GB. Ask for fewer, or raise --max-memory.",
+                                                 n, bytes / 1e9, double(work_.memoryLimit) / 1e9));
     Patches patches;
     patches.time_ = work_.shutter.open;
     const auto table = std::make_shared<Patches::Table>();

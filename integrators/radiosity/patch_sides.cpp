@@ -107,7 +107,8 @@ void Flood::look(uint32_t side, uint32_t rays) {
     for (uint32_t first = 0; first < rays; first += width) {
         const uint32_t n = std::min(width, rays - first);
         for (uint32_t k = 0; k < n; ++k) {
-            Sampler sampler(work_.seed, work_.sampler, Stream::prepass, hashCombine(0x51de5, side), first + k);
+            // The same numbers under every seed: the patches of a scene are its own.
+            Sampler sampler(0, SamplerKind::sobol, Stream::prepass, hashCombine(0x51de5, side), first + k);
             const SurfacePoint p = start(side, sampler);
             const Frame frame = Frame::about(side % 2 ? -p.ng : p.ng);
             batch[k] = p.towards(frame.toWorld(cosineHemisphere(sampler.get2D())));

@@ -27,9 +27,9 @@ struct Exchange {
 // Can no point of q lie before a surface of p?
 bool behind(const Hierarchy::Node& p, const Hierarchy::Node& q) noexcept {
     const Vec3 way = q.centre - p.centre;
-    if (p.flat) {
-        const float c = dot(p.axis, q.axis), reach = q.flat ? q.radius * safeSqrt(1 - c * c) : q.radius;
-        return dot(p.axis, way) + reach <= 2e-3f * (p.radius + q.radius);
+    if (p.flat) { // rounding aside: surfaces may lie close above each other
+        const float sine = length(cross(p.axis, q.axis)), reach = (q.flat ? q.radius * sine + q.depth : q.radius) + p.depth;
+        return dot(p.axis, way) + reach <= 2 * (p.error + q.error);
     }
     const float distance = length(way), both = p.radius + q.radius;
     if (distance <= both) return false;
@@ -171,7 +171,8 @@ private:
         e.range = std::max(e.range, floorOfRange * e.factor);
         const bool near = lengthSquared(q.centre - p.centre) < 16 * float(std::max(p.area, q.area));
         if (p.leaf() && q.leaf() && near) e.factor = float(factors_.unoccluded(tree_.patch(to), tree_.patch(from))) * seen / all;
-        if (seen == 0) e.range = std::max(e.range, fewest(p, q));
+        // Where they may touch, most of the exchange can lie between points that were not drawn.
+        if (seen == 0 || length(q.centre - p.centre) < p.radius + q.radius) e.range = std::max(e.range, fewest(p, q));
         e.factor = std::min(e.factor, 1.f);
         return e;
     }

@@ -84,15 +84,14 @@ TEST_SUITE("bench") {
             for (std::size_t i = 0; i < rays.shadow.size(); i += 16) CHECK(length(rays.shadow[i].o - rays.shadow[i + 15].o) < 1e-3f);
             const auto traced = [&](bench::RayKind k) { return bench::traceAll(*m.scene, executor, rays, k, m.stop); };
             for (const auto& [one, wide] : {std::pair(bench::RayKind::cameraSingle, bench::RayKind::cameraWide),
-                                           std::pair(bench::RayKind::bounceSingle, bench::RayKind::bounceWide),
-                                           std::pair(bench::RayKind::shadowSingle, bench::RayKind::shadowWide)}) {
+                                            std::pair(bench::RayKind::bounceSingle, bench::RayKind::bounceWide),
+                                            std::pair(bench::RayKind::shadowSingle, bench::RayKind::shadowWide)}) {
                 const bench::Traced a = traced(one), b = traced(wide);
                 CHECK(a.rays == b.rays);
                 CHECK(a.hits == b.hits);
                 CHECK(a.hits > 0);
                 CHECK(a.hits <= a.rays);
             }
-            CHECK(traced(bench::RayKind::cameraWide).hits == 4096); // a closed room
         }
     }
 

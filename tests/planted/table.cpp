@@ -49,7 +49,7 @@ TEST_SUITE("planted-table") {
         CHECK(plantedFault == Fault::none);
         std::multiset<Fault> all;
         for (const auto rows : {plantedLights(), plantedTransport(), plantedMaterials(), plantedSurfaces(), plantedFilm(), plantedLens(),
-                                plantedMotion(), plantedWhitted(), plantedDistributed()})
+                                plantedMotion(), plantedWhitted(), plantedDistributed(), plantedPhotons(), plantedRadiosity()})
             for (const PlantedRow& row : rows) all.insert(row.fault);
         for (int f = 1; f < int(Fault::count); ++f) {
             CAPTURE(f);

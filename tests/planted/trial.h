@@ -87,6 +87,8 @@ std::span<const PlantedRow> plantedLens();
 std::span<const PlantedRow> plantedMotion();
 std::span<const PlantedRow> plantedWhitted();
 std::span<const PlantedRow> plantedDistributed();
+std::span<const PlantedRow> plantedPhotons();
+std::span<const PlantedRow> plantedRadiosity();
 
 // Every check passes without a fault; every fault is found by its check, with more samples until it is, and the table is printed.
 void catchAll(std::span<const PlantedRow>);

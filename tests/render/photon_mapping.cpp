@@ -105,8 +105,9 @@ TEST_SUITE("photon-rooms") {
     TEST_CASE("integrating sphere: 1 / (1 - rho) and its partial sums by depth; direct light once (F1)") {
         for (const float rho : {.5f, .8f}) {
             const auto scene = glowingBall(rho);
-            for (const char* how : {"photon:radius=0.05,gather=0", "photon:radius=0.05,gather=1", "photon:radius=0.1,gather=3",
-                                    "photon:gather=0,estimate=knn,k=40,radius=0.2", "sppm:radius=0.1"})
+            for (const char* how :
+                 {"photon:count=4k,radius=0.1,gather=0", "photon:count=4k,radius=0.1,gather=1", "photon:count=4k,radius=0.1,gather=3",
+                  "photon:count=4k,gather=0,estimate=knn,k=40,radius=0.2", "sppm:count=2k,radius=0.1"})
                 for (const uint32_t depth : {1u, 2u, unlimitedDepth}) {
                     CAPTURE(rho);
                     CAPTURE(how);
@@ -114,7 +115,7 @@ TEST_SUITE("photon-rooms") {
                     const double r = double(rho);
                     const double expected = depth == unlimitedDepth ? 1 / (1 - r) : (1 - std::pow(r, depth + 1.)) / (1 - r);
                     // Facets bend: a disc about a point holds a little more of the ball than of a plane.
-                    checkEqual(measure(*scene, inside, {12, 12, 64, {}, 2, 0, SamplerKind::sobol, FilterKind::box, depth}, how), expected,
+                    checkEqual(measure(*scene, inside, {12, 12, 32, {}, 2, 0, SamplerKind::sobol, FilterKind::box, depth}, how), expected,
                                0.03, 4e-3);
                 }
         }
@@ -128,10 +129,10 @@ TEST_SUITE("photon-rooms") {
         bulb.toWorld = shapes::translation({0, .5, 0});
         s.lights = {bulb};
         const auto scene = compiled(std::move(s));
-        for (const char* how : {"photon:radius=0.05", "photon:radius=0.05,gather=0", "sppm:radius=0.05"}) {
+        for (const char* how : {"photon:count=8k,radius=0.08", "photon:count=8k,radius=0.08,gather=0", "sppm:count=2k,radius=0.08"}) {
             CAPTURE(how);
-            const Settings few{12, 12, 256, {}, 2};
-            checkEqual(measure(*scene, probe({.01, -.999, .012}, {0, -1, 0}, .3, .25), few, how), .2298905, 0.03, 1.2e-2);
+            const Settings few{12, 12, 64, {}, 2};
+            checkEqual(measure(*scene, probe({.01, -.999, .012}, {0, -1, 0}, .3, .25), few, how), .2298905, 0.05, 1.2e-2);
         }
     }
 }
@@ -139,24 +140,25 @@ TEST_SUITE("photon-rooms") {
 TEST_SUITE("photon-and-path") {
     TEST_CASE("as the radius shrinks: path, on a scene of every kind of lobe (G9)") {
         const auto scene = compiled(corner(true, false));
-        const Settings how{16, 12, 32, {}, 2, 0, SamplerKind::sobol, FilterKind::box};
+        const Settings how{16, 12, 8, {}, 2, 0, SamplerKind::sobol, FilterKind::box};
         Settings reference = how;
-        reference.spp = 512;
+        reference.spp = 256;
         const stats::Moments path = replicate(*scene, view, reference, "path", without(unseen), 1);
         uint64_t seed = 2;
         for (const std::string base :
-             {"photon:gather=2,radius=0.06,caustic-radius=0.03", "photon:gather=0,radius=0.06,caustic-radius=0.03",
-              "photon:gather=1,sharp=0,radius=0.06,caustic-radius=0.03", "sppm:radius=0.06"}) {
+             {"photon:gather=2,count=8k,caustic-count=16k,radius=0.06,caustic-radius=0.03",
+              "photon:gather=0,count=8k,caustic-count=16k,radius=0.06,caustic-radius=0.03",
+              "photon:gather=1,sharp=0,count=8k,caustic-count=16k,radius=0.06,caustic-radius=0.03", "sppm:radius=0.06"}) {
             CAPTURE(base);
             const stats::Moments whole = replicate(*scene, view, how, base, without(unseen), seed++);
             const stats::Moments half = replicate(*scene, view, how, base + ",shrink=0.5", without(unseen), seed++);
             INFO("at h " << whole.mean << " +- " << whole.error() << ", at h/2 " << half.mean << " +- " << half.error());
-            checkSame(extrapolated(whole, half), std::hypot(2 * half.error(), whole.error()), path, 0.08, 2e-3);
+            checkSame(extrapolated(whole, half), std::hypot(2 * half.error(), whole.error()), path, 0.1, 2e-3);
         }
     }
     TEST_CASE("direct light is the path tracer's: shadow rays, lobes and lamps in mirrors") {
         const auto scene = compiled(corner(true, true));
-        const Settings how{16, 12, 256, {}, 2, 0, SamplerKind::sobol, FilterKind::box};
+        const Settings how{16, 12, 64, {}, 2, 0, SamplerKind::sobol, FilterKind::box};
         PathQuery direct = without(unseen, 4);
         direct.paths = "L (D|G)? S* E"; // none of it from photons
         uint64_t seed = 20;
@@ -182,20 +184,21 @@ TEST_SUITE("photon-caustics") {
         bulb.toWorld = shapes::translation({.1, 2, 0});
         s.lights = {bulb};
         const auto scene = compiled(std::move(s));
-        // From the side and below the ball: the floor is seen directly.
-        const CameraDesc camera = perspective({0, .25, 2.2}, {0, 0, 0}, .25);
-        const Settings how{12, 12, 64, {}, 2, 0, SamplerKind::sobol, FilterKind::box};
+        // From the side and below the ball: the floor is seen directly, and every piece of it counts the same, blurred or not.
+        const CameraDesc camera = probe({0, 0, 0}, {0, -.2, -1}, 1.5, .2);
+        const Settings how{16, 16, 4, {}, 2, 0, SamplerKind::sobol, FilterKind::box};
         PathQuery caustic;
         caustic.paths = "L S+ D E";
         const stats::Moments light =
-            replicate(*scene, camera, {12, 12, 2048, {}, 2, 0, SamplerKind::sobol, FilterKind::box}, "light", caustic, 1);
+            replicate(*scene, camera, {16, 16, 128, {}, 2, 0, SamplerKind::sobol, FilterKind::box}, "light", caustic, 1);
         CHECK(replicate(*scene, camera, how, "path", caustic, 2).mean == 0);
         uint64_t seed = 3;
-        for (const char* other : {"photon:caustic-radius=0.01", "photon:gather=0,caustic-radius=0.01", "sppm:radius=0.01",
-                                  "photon:estimate=knn,caustic-radius=0.05"}) {
+        for (const char* other :
+             {"photon:count=1k,caustic-count=8k,caustic-radius=0.03", "photon:gather=0,count=1k,caustic-count=8k,caustic-radius=0.03",
+              "sppm:radius=0.03", "photon:estimate=knn,k=20,count=1k,caustic-count=8k,caustic-radius=0.05"}) {
             CAPTURE(other);
             const stats::Moments m = replicate(*scene, camera, how, other, caustic, seed++);
-            checkSame(m, m.error(), light, 0.05, 5e-3);
+            checkSame(m, m.error(), light, 0.1, 1e-2);
         }
     }
     TEST_CASE("the focus of a ball lens holds the energy that optics says (@caustic, G7)") {
@@ -204,7 +207,8 @@ TEST_SUITE("photon-caustics") {
         const CameraDesc focus = scene->cameras()[1];
         REQUIRE(focus.name == "focus");
         const Settings how{16, 16, 64, {}, 2, 0, SamplerKind::sobol, FilterKind::box, 3};
-        for (const char* name : {"photon:caustic-radius=0.0004", "photon:gather=0,caustic-radius=0.0004", "sppm:radius=0.0006"}) {
+        for (const char* name : {"photon:count=1k,caustic-count=32k,caustic-radius=0.0004",
+                                 "photon:gather=0,count=1k,caustic-count=32k,caustic-radius=0.0004", "sppm:radius=0.0006"}) {
             CAPTURE(name);
             stats::Moments m;
             for (int r = 0; r < replicates; ++r) {
@@ -215,7 +219,7 @@ TEST_SUITE("photon-caustics") {
             }
             INFO("" << m.mean << " +- " << m.error());
             CHECK(std::fabs(m.mean - 14.21) <= criticalT * m.error() + 0.01 * 14.21);
-            CHECK(criticalT * m.error() < 0.03 * 14.21);
+            CHECK(criticalT * m.error() < 0.05 * 14.21);
         }
     }
 }

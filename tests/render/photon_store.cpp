@@ -59,7 +59,7 @@ std::vector<Cloud> clouds() {
 std::vector<Vec3> queries(const Cloud& c) {
     stats::Random u(17);
     std::vector<Vec3> all{{0, 0, 0}, {1e6f, 0, 0}, {-1e30f, 3, 1e30f}};
-    for (int i = 0; i < 40 && !c.photons.empty(); ++i) {
+    for (int i = 0; i < 12 && !c.photons.empty(); ++i) {
         const Photon& near = c.photons[std::size_t(u.next() % c.photons.size())];
         all.push_back(i % 2 ? near.p : near.p + direction(u) * (c.cell * u()));
     }
@@ -115,10 +115,12 @@ TEST_SUITE("photon-store") {
                 for (const float radius : {c.cell, c.cell * .3f, c.cell * 2.7f, 0.f, -1.f, infinity}) {
                     if (radius == infinity && c.photons.size() > 1000 && q.x < 1e5f) continue;
                     std::vector<uint32_t> found, expected;
+                    bool told = true;
                     store.within(q, radius, [&](const Photon& photon, float d2) {
                         found.push_back(numberOf(photon));
-                        CHECK(d2 == lengthSquared(photon.p - q));
+                        told = told && d2 == lengthSquared(photon.p - q);
                     });
+                    CHECK(told);
                     for (const Photon& photon : c.photons)
                         if (radius > 0 && lengthSquared(photon.p - q) < radius * radius) expected.push_back(numberOf(photon));
                     std::sort(found.begin(), found.end());
@@ -145,10 +147,8 @@ TEST_SUITE("photon-store") {
                         REQUIRE(found.size() == expected.size());
                         if (!found.empty()) CHECK(found[0].distance2 == expected.back().distance2);
                         std::sort(found.begin(), found.end());
-                        for (std::size_t i = 0; i < found.size(); ++i) {
-                            CHECK(found[i].photon == expected[i].photon);
-                            CHECK(found[i].distance2 == expected[i].distance2);
-                        }
+                        CHECK(std::equal(found.begin(), found.end(), expected.begin(),
+                                         [](const auto& a, const auto& b) { return a.photon == b.photon && a.distance2 == b.distance2; }));
                     }
         }
     }
@@ -161,7 +161,9 @@ TEST_SUITE("photon-store") {
         }
         const Cloud heap = clouds()[7];
         const PhotonStore store(Executor(2), heap.photons, heap.cell);
-        for (std::size_t i = 0; i < store.size(); ++i) CHECK(numberOf(store.photons()[i]) == i);
+        bool inOrder = true;
+        for (std::size_t i = 0; i < store.size(); ++i) inOrder = inOrder && numberOf(store.photons()[i]) == i;
+        CHECK(inOrder);
     }
 
     TEST_CASE("32 bytes a photon and some for the cells") {

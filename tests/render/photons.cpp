@@ -266,10 +266,10 @@ TEST_SUITE("photon-glass") {
             const auto scene = compiled(std::move(s));
             stats::Moments plain, aimed;
             double photonsPlain = 0, photonsAimed = 0;
+            const auto guide = learnEmission(Tracer(*scene, {}, 2, 99).work, 1 << 16);
+            REQUIRE(guide);
             for (int seed = 0; seed < replicates; ++seed) {
                 const Tracer tracer(*scene, {}, 2, uint64_t(seed));
-                const auto guide = learnEmission(tracer.work, 1 << 14);
-                REQUIRE(guide);
                 const auto caustic = [&](const EmissionGuide* g) {
                     return tracer.trace(1 << 13, [&](PhotonRequest& q) {
                         q.kinds = {false, true, false};

@@ -33,22 +33,25 @@ auto facing(const Vec3& n) {
 TEST_SUITE("radiosity-closed-forms") {
     TEST_CASE("a closed cube, mesh after mesh (A16): means of the faces, and the order of their errors") {
         const auto scene = compiled(emittingCube(.5f));
-        const double mean[] = {1.1044, .1712, .1811}; // ceiling, floor, sides
-        const double errorOfFloor[] = {.062, .011, .003, .0008};
-        const int edges[] = {1, 4, 8, 16};
-        double floors[4];
-        for (int m = 0; m < 4; ++m) {
+        const double mean[] = {1.1044, .1712, .1811};               // ceiling, floor, sides
+        const double errorOfFloor[] = {.062, 0, .011, .003, .0008}; // of two patches along an edge there is no figure
+        const int edges[] = {1, 2, 4, 8, 16};
+        double floors[5];
+        for (int m = 0; m < 5; ++m) {
             CAPTURE(m);
-            const Solved s = solved(*scene, fmt::format("size={},direct=factors,rays=4096", 1.0001 / edges[m]));
+            // Lambert's formula, but for the finest mesh: there are too many pairs.
+            const Solved s = solved(*scene, fmt::format("size={},direct=factors,{}", 1.0001 / edges[m],
+                                                        m < 4 ? "factors=analytic,shadow-rays=0" : "rays=2048"));
             CHECK(s.patches.size() == std::size_t(6 * edges[m] * edges[m]));
             const auto value = [&](uint32_t i) { return radiosityOf(s, i); };
             floors[m] = meanOver(s.patches, facing({0, 1, 0}), value);
-            CHECK(floors[m] == doctest::Approx(mean[1] * (1 + errorOfFloor[m])).epsilon(m == 0 ? 2e-3 : 1e-3));
-            if (m < 3) continue;
+            // The figures are of collocation at the centres of patches; factors from area to area are at least as good.
+            if (m == 0) CHECK(floors[m] == doctest::Approx(mean[1] * 1.062).epsilon(1e-3));
+            if (m > 1) CHECK(floors[m] == doctest::Approx(mean[1]).epsilon(errorOfFloor[m] + 5e-4));
+            if (m < 4) continue;
             CHECK(meanOver(s.patches, facing({0, -1, 0}), value) == doctest::Approx(mean[0]).epsilon(5e-4));
             CHECK(meanOver(s.patches, facing({1, 0, 0}), value) == doctest::Approx(mean[2]).epsilon(1e-3));
         }
-        // Errors of 1.1, .3 and .08 % (A16): the order is 1.9, and the limit that of the continuous solution.
         const double order = std::log2((floors[1] - floors[2]) / (floors[2] - floors[3]));
         const double limit = floors[3] - (floors[2] - floors[3]) / (std::exp2(1.9) - 1);
         INFO("order " << order << ", limit " << limit);
@@ -63,10 +66,12 @@ TEST_SUITE("radiosity-closed-forms") {
             const double floor = rho == .5f ? .1976 : .7131, side = rho == .5f ? .17765 : .6837;
             for (const char* show : {"interpolated", "gather"}) {
                 CAPTURE(show);
-                const std::string i = fmt::format("radiosity:size=0.06251,rays=2048,light-rays=256,show={}", show);
-                checkEqual(measure(*scene, probe({.01, -.5, .012}, {0, -1, 0}), {16, 16, 16, {}, 2}, i), floor / pi64, .01, 2.5e-3);
-                if (rho == .5f)
-                    checkEqual(measure(*scene, probe({.5, .01, .012}, {1, 0, 0}), {16, 16, 16, {}, 2}, i), side / pi64, .01, 2.5e-3);
+                const std::string i = fmt::format("radiosity:size=0.06251,light-rays=256,show={}", show);
+                const auto at = [&](const Vec3d& place, const Vec3d& way) {
+                    return double(luminance(rendered(*scene, recentred(*scene, probe(place, way)), {8, 8, 64, {}, 2}, i).mean)) * pi64;
+                };
+                CHECK(at({.012, -.5, .01}, {0, -1, 0}) == doctest::Approx(floor).epsilon(6e-3));
+                if (rho == .5f) CHECK(at({.5, 0, .012}, {1, 0, 0}) == doctest::Approx(side).epsilon(6e-3));
             }
         }
     }
@@ -104,8 +109,8 @@ TEST_SUITE("radiosity-closed-forms") {
         Limits tight;
         tight.tolerance = 1e-14;
         const Solution s = neumann(system, across, tight, {run, stop});
-        CHECK(1 + .5 * s.irradiance(0)[0] == doctest::Approx(5. / 3).epsilon(1e-9));
-        CHECK(.8 * s.irradiance(1)[0] == doctest::Approx(4. / 3).epsilon(1e-9));
+        CHECK(1 + .5 * s.irradiance(0)[0] == doctest::Approx(5. / 3).epsilon(1e-6));
+        CHECK(.8 * s.irradiance(1)[0] == doctest::Approx(4. / 3).epsilon(1e-6));
     }
 
     TEST_CASE("concentric spheres (A19)") {
@@ -164,7 +169,7 @@ TEST_SUITE("radiosity-closed-forms") {
         for (const float rho : {.5f, .8f, .9f}) {
             SceneDesc s;
             const int wall = shapes::add(s, shapes::lamp("wall", Spectrum(float(1 / pi64)), Spectrum(rho)));
-            shapes::add(s, "wall", shapes::insideOut(shapes::sphere(1, 3)), wall);
+            shapes::add(s, "wall", shapes::insideOut(shapes::sphere(1, 2)), wall);
             const auto scene = compiled(std::move(s));
             CAPTURE(rho);
             for (const char* solver : {"gauss-seidel,rays=4096", "jacobi", "direct", "shoot", "hierarchical", "stochastic"}) {

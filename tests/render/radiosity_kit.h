@@ -59,6 +59,13 @@ inline double radiosityOf(const Solved& s, uint32_t i) {
     return double(luminance(p.emission)) + double(luminance(p.reflectance)) * luminance(s.solution.irradiance(i));
 }
 
+// A camera of the description, in the space of the compiled scene.
+inline CameraDesc recentred(const Scene& scene, CameraDesc c) {
+    const Vec3d o = scene.centre();
+    for (int i = 0; i < 3; ++i) c.toWorld.m[i][3] -= i == 0 ? o.x : i == 1 ? o.y : o.z;
+    return c;
+}
+
 inline PrimitiveDesc unitFace(int axis, int side) {
     Vec3d centre, normal;
     (axis == 0 ? centre.x : axis == 1 ? centre.y : centre.z) = 0.5 * side;

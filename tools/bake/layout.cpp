@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <unordered_map>
 
 namespace chiaro::bake {
 namespace {
@@ -107,10 +108,13 @@ private:
         brought_.resize(layout_.parts.size());
         if (settings_.uv == UvChoice::fresh) return false;
         std::vector<Triangle2> all;
+        std::unordered_map<uint32_t, std::size_t> looked; // of each geometry: the first of brought_
         bool every = true;
         for (std::size_t i = 0; i < brought_.size(); ++i) {
             const DrawnPart& part = scene_.parts()[layout_.parts[i].part];
-            brought_[i] = broughtBy(scene_, part, time_);
+            // Instances of one mesh bring the same.
+            const auto [first, isNew] = looked.try_emplace(part.geometry, i);
+            brought_[i] = isNew ? broughtBy(scene_, part, time_) : brought_[first->second];
             layout_.parts[i].overlapping = brought_[i].overlapping;
             if (brought_[i].set < 0 && settings_.uv == UvChoice::keep) failKeep(scene_, part, brought_[i]);
             every = every && brought_[i].set >= 0 && brought_[i].set == brought_[0].set;

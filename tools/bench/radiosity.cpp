@@ -18,7 +18,7 @@ struct Trial {
     std::string_view name;
     Solver solver;
     uint32_t patches;
-    double growth; // of its time, as a power of the patches
+    double growth; // of the time that solving takes, as a power of the patches
 };
 constexpr std::array trials = {
     Trial{"matrix, Gauss-Seidel", Solver::gaussSeidel, 500, 2},
@@ -68,10 +68,18 @@ struct Done {
     Arrived arrived;
 };
 
-// The time that a trial will take, by the last one of its solver that was done; 0: nobody knows.
-double expected(const Trial& t, const std::map<Solver, std::pair<double, double>>& last) {
+// What the last trial of a solver took.
+struct Took {
+    double patches = 0, before = 0, solving = 0; // seconds
+};
+using Last = std::map<Solver, Took>;
+// The time that a trial will take by that; 0: nobody knows. What comes before solving takes about as many rays a patch, whatever their
+// number.
+double expected(const Trial& t, const Last& last) {
     const auto at = last.find(t.solver);
-    return at == last.end() ? 0 : at->second.second * std::pow(t.patches / at->second.first, t.growth);
+    if (at == last.end()) return 0;
+    const double more = t.patches / at->second.patches;
+    return at->second.before * std::pow(more, 1.1) + at->second.solving * std::pow(more, t.growth);
 }
 
 struct Bench {
@@ -80,8 +88,7 @@ struct Bench {
     double secondsAScene;
 
     // False: stopped.
-    bool one(const BenchScene& s, const Work& work, const Trial& t, std::vector<Done>& done,
-             std::map<Solver, std::pair<double, double>>& last) {
+    bool one(const BenchScene& s, const Work& work, const Trial& t, std::vector<Done>& done, Last& last) {
         request.progress.phase(fmt::format("radiosity {} {} {} patches", s.name, t.name, t.patches));
         const auto begin = Clock::now();
         const radiosity::Patches patches = radiosity::Patches::of(work, {.size = 0, .count = t.patches});
@@ -91,7 +98,7 @@ struct Bench {
         const radiosity::Solution solution = radiosity::solve(work, patches, settings);
         if (request.stop.requested() || !solution.complete) return false;
         const double seconds = secondsSince(begin);
-        last[t.solver] = {double(t.patches), seconds};
+        last[t.solver] = {double(t.patches), seconds - solution.solveSeconds, solution.solveSeconds};
         done.push_back({table.rows.size(), arrivedAt(patches, solution)});
         table.rows.push_back({s.name,
                               std::string(t.name),
@@ -117,7 +124,7 @@ struct Bench {
                         run,      request.stop, request.progress, request.notes, request.memoryLimit};
         const auto begin = Clock::now();
         std::vector<Done> done;
-        std::map<Solver, std::pair<double, double>> last;
+        Last last;
         bool goesOn = true;
         for (const Trial& t : trials) {
             const double left = secondsAScene - secondsSince(begin), wanted = expected(t, last);

@@ -228,6 +228,7 @@ int agreeScene(const AgreeSettings& s) {
         view};
     const AgreeRun run = runStages(s, subjects, job, stop, progress, console);
     progress.clear();
+    console.facts(notes);
     console.warnings(notes);
     if (run.outcomes.empty()) {
         console.line("stopped before the second replicate was done; nothing to tell");
@@ -238,7 +239,9 @@ int agreeScene(const AgreeSettings& s) {
                      : s.base.strict && worst(rows) == 0 && !notes.warnings().empty() ? int(Exit::warning)
                                                                                       : worst(rows);
     if (run.stopped) console.line(fmt::format("stopped at {}/{} replicates of {} spp", run.first.rounds, run.first.planned, run.first.spp));
-    tell(s, rows, headJson(s, view, subjects, run), code, console);
+    Json head = headJson(s, view, subjects, run);
+    head["facts"] = factsJson(notes.facts());
+    tell(s, rows, std::move(head), code, console);
     writeMaps(s, view, subjects, run, console);
     if (!run.stopped) tellNext(s, rows, console);
     return code;

@@ -67,6 +67,7 @@ public:
         const RenderResult result = chiaro::render(job, *integrator, film, {request_.spp, infinity}, stop_);
         if (result.ended == Ended::stopped) return {};
         for (const std::string& warning : notes.warnings()) job_.notes.warn(warning);
+        if (request_.number == 1 && replicate == 0) tellFacts(nameWith(choice, prepass ? prepass->choice() : nullptr), solved, notes);
         side.seconds += result.seconds + (prepass && !prepass->kept() ? solved.seconds : 0);
         side.dropped += film.dropped();
         part_.next(request_.spp);
@@ -74,6 +75,12 @@ public:
     }
 
 private:
+    // The automatic choices of the first replicate; those of the others are alike.
+    void tellFacts(const std::string& name, const SolvedPrepass& solved, const Diagnostics& own) {
+        for (const auto& facts : {solved.facts, own.facts()})
+            for (const Diagnostics::Fact& f : facts) job_.notes.tell(f.subject, fmt::format("{}: {}", name, f.message));
+    }
+
     const Job& job_;
     StopToken& stop_;
     const StageRequest& request_;

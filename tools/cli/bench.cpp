@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
-#include <thread>
+#include <sys/resource.h>
 
 namespace chiaro::cli {
 namespace {
@@ -177,6 +177,12 @@ Json tableJson(const bench::Table& t) {
     return j;
 }
 
+// Of this process so far.
+double peakBytes() {
+    struct rusage usage {};
+    return getrusage(RUSAGE_SELF, &usage) == 0 ? 1024 * double(usage.ru_maxrss) : 0;
+}
+
 bool slowBuild() { return buildType != "release" && buildType != "relwithdebinfo"; }
 
 } // namespace
@@ -230,7 +236,8 @@ int runBench(const Arguments& arguments) {
             fmt::print("{}", tableText(table));
         if (stop.cancelled()) break;
     }
-    all["peakMemory"] = residentBytes();
+    all["peakMemory"] = peakBytes();
+    console.phase("memory", fmt::format("{} at the peak of all", memorySize(peakBytes())));
     all["stopped"] = stop.cancelled();
     if (s.json) fmt::print("{}\n", all.dump(2, ' ', false, Json::error_handler_t::replace));
     if (stop.cancelled()) console.line("stopped; the rows that were done are above");

@@ -60,6 +60,7 @@ std::string shellQuoted(std::string_view word);
 // Subcommands, one file each.
 int runRender(const Arguments&);
 int runInfo(const Arguments&);
+int runFormFactors(const Arguments&);
 int runCompare(const Arguments&);
 int runDiff(const Arguments&);
 int runAgree(const Arguments&);

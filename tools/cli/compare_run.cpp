@@ -66,6 +66,21 @@ void tellReference(const ReferenceRender& r, const ReferenceGoal& goal, const st
                                                                    : std::string()));
 }
 
+// Each automatic choice once, with the names of all who share it.
+void tellFacts(const Comparison& c, Diagnostics& notes) {
+    std::vector<Diagnostics::Fact> told;
+    for (const Contestant& one : c.contestants)
+        for (const Diagnostics::Fact& f : one.facts) {
+            if (std::find(told.begin(), told.end(), f) != told.end()) continue;
+            told.push_back(f);
+            std::string names;
+            for (const Contestant& other : c.contestants)
+                if (std::find(other.facts.begin(), other.facts.end(), f) != other.facts.end())
+                    names += (names.empty() ? "" : ", ") + other.name;
+            notes.tell(f.subject, fmt::format("{}: {}", names, f.message));
+        }
+}
+
 void renderReferences(StopToken& stop, Comparison& c, Course& course, double perSample, ProgressBar& bar, const Console& console) {
     const auto render = [&](ReferenceRender& r, const std::string& what) {
         r.render(stop, course, perSample);
@@ -153,8 +168,7 @@ void runComparison(const CompareSettings& s, const Job& job, StopToken& stop, Co
     if (c.truth) meter.emplace(c.truth->picture);
     contest.run(course, meter ? MeasureError([&](const judge::Picture& p) { return meter->relative(p); }) : MeasureError());
     bar.clear();
-    for (const Contestant& one : c.contestants)
-        for (const Diagnostics::Fact& f : one.facts) job.notes.tell(f.subject, fmt::format("{}: {}", one.name, f.message));
+    tellFacts(c, job.notes);
     console.facts(job.notes);
 }
 

@@ -5,6 +5,7 @@
 #include "tools/cli/command.h"
 #include "tools/cli/compare_options.h"
 #include "tools/cli/diff_options.h"
+#include "tools/cli/ff_options.h"
 #include "tools/cli/trace_options.h"
 #include <algorithm>
 #include <array>
@@ -300,6 +301,10 @@ constexpr auto bakeTable = joined(bakeRows, std::to_array<OptionRow>({renderRow(
 constexpr auto benchTable =
     joined(benchRows, joined(infoTable, std::to_array<OptionRow>({renderRow("max-memory"), renderRow("config"), renderRow("quiet")})));
 
+constexpr auto ffTable =
+    joined(ffRows, joined(infoTable, std::to_array<OptionRow>({renderRow("sampler"), renderRow("seed"), renderRow("threads"),
+                                                               renderRow("max-memory"), renderRow("config"), renderRow("quiet")})));
+
 constexpr auto table = std::to_array<Command>({
     {"render", "SCENE", "one integrator, EXR + PNG", renderTable, runRender, 1, 1},
     {"compare", "SCENE|IMAGE...", "several integrators or images side by side: report.html, sheet.png, results.csv, EXRs", compareTable,
@@ -308,6 +313,7 @@ constexpr auto table = std::to_array<Command>({
     {"agree", "SCENE|A.exr B.exr", "do the integrators agree? a statistical verdict, an exit code", agreeTable, runAgree, 1, 2, agreeNotes},
     {"trace", "SCENE --pixel X,Y", "the ray tree or path of one sample, as text and as GLB", traceTable, runTrace, 1, 1},
     {"bake", "SCENE", "light into the scene: vertex colours or a light map, as glTF", bakeTable, runBake, 1, 1},
+    {"ff", "SCENE [I] [J]", "the patches of a scene and their form factors, checked", ffTable, runFormFactors, 1, 3},
     {"info", "SCENE|IMAGE", "what is in it, what Chiaro will use, approximate, ignore, add", infoTable, runInfo, 1, 1},
     {"bench", "[SUITE]", "what this machine does in a second: rays, samples, photons, radiosity", benchTable, runBench, 0, 1, benchNotes},
     {"scenes", "", "the scenes inside the program", jsonTable, runScenes, 0, 0},

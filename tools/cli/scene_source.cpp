@@ -27,7 +27,9 @@ bool emits(const SceneDesc& scene) {
     for (const InstanceDesc& instance : scene.instances) {
         if (instance.mesh < 0) continue;
         for (const PrimitiveDesc& p : scene.meshes[std::size_t(instance.mesh)].primitives)
-            if (p.material >= 0 && !black(scene.materials[std::size_t(p.material)].emission)) return true;
+            if (const MaterialDesc* m = p.material >= 0 ? &scene.materials[std::size_t(p.material)] : nullptr;
+                m && !black(m->unlit ? m->baseColor : m->emission))
+                return true;
     }
     return false;
 }
