@@ -66,10 +66,12 @@ private:
         }
         uint32_t bucket(int32_t x, int32_t y, int32_t z) const noexcept {
             if (!hashed) return uint32_t((z * ny + y) * nx + x);
-            return (uint32_t(x) * 73856093u ^ uint32_t(y) * 19349663u ^ uint32_t(z) * 83492791u) & (buckets - 1);
+            const uint32_t row = uint32_t(x >> 3) * 73856093u ^ uint32_t(y) * 19349663u ^ uint32_t(z) * 83492791u;
+            return (row & (buckets / 8 - 1)) * 8 + (uint32_t(x) & 7); // eight neighbours along x lie side by side
         }
-        bool inCell(const Vec3& p, int32_t x, int32_t y, int32_t z) const noexcept {
-            return along(p.x, low.x, nx) == x && along(p.y, low.y, ny) == y && along(p.z, low.z, nz) == z;
+        bool inRun(const Vec3& p, int32_t xFrom, int32_t xTo, int32_t y, int32_t z) const noexcept {
+            const int32_t x = along(p.x, low.x, nx);
+            return xFrom <= x && x <= xTo && along(p.y, low.y, ny) == y && along(p.z, low.z, nz) == z;
         }
         uint32_t bucket(const Vec3& p) const noexcept {
             return bucket(along(p.x, low.x, nx), along(p.y, low.y, ny), along(p.z, low.z, nz));
@@ -107,9 +109,10 @@ template <class Limit, class F> void PhotonStore::visit(const Vec3& p, float rad
                 run(begin_[g.bucket(x0, y, z)], begin_[g.bucket(x1, y, z) + 1], [](const Vec3&) { return true; });
                 continue;
             }
-            for (int32_t x = x0; x <= x1; ++x) {
-                const uint32_t b = g.bucket(x, y, z);
-                run(begin_[b], begin_[b + 1], [&](const Vec3& q) { return g.inCell(q, x, y, z); });
+            for (int32_t x = x0, last; x <= x1; x = last + 1) {
+                last = std::min(x1, x | 7);
+                run(begin_[g.bucket(x, y, z)], begin_[g.bucket(last, y, z) + 1],
+                    [&, last](const Vec3& q) { return g.inRun(q, x, last, y, z); });
             }
         }
 }

@@ -9,7 +9,8 @@
 // it, weighted by their trust (a row of rays knows A_i F_ij with a variance in proportion to A_i: the smaller patch is believed more). That
 // alone would break the sums of the rows, and with them the balance of energy; so exchanges are then scaled by d_i d_j, which keeps them
 // symmetric, until each row sums to what its own rays found (Sinkhorn and Knopp 1967, in the symmetric form): in a closed room exactly 1.
-// Analytic exchanges are symmetric from the start and are scaled only in closed rooms whose hidden shares were found by rays.
+// Analytic exchanges are symmetric from the start and are scaled only where their hidden shares were found by rays, to the share of other
+// rays that meets a patch.
 #pragma once
 #include "integrators/radiosity/patches.h"
 

@@ -29,7 +29,7 @@ public:
 
 private:
     bool findRows();
-    bool closed() const;
+    void probe();
     [[noreturn]] void refuse(double bytes) const;
     Sparse transposed() const;
     void merge(const Sparse& other, FormFactorMatrix&);
@@ -44,26 +44,32 @@ private:
     const Patches& patches_;
     Rows rows_;
     std::vector<double> sums_; // of the rows as they were found
+    std::vector<double> met_;  // share of a patch's rays that meet a patch
     bool closed_ = false;
 };
 
-// Whether rays from the patches all meet something, be it a patch or not.
-bool MatrixBuilder::closed() const {
+// Whether rays from the patches all meet something, be it a patch or not; and how many of each patch's meet one.
+void MatrixBuilder::probe() {
     std::atomic<uint64_t> lost{0};
+    met_.assign(patches_.size(), 0);
     each([&](uint64_t i) {
         const Sampler sampler(work_.seed, work_.sampler, Stream::prepass, hashCombine(i, 0xc105ed), 0);
         const PatchRays source(patches_[i], sampler, patches_.time());
         RayPacket rays;
         std::array<Hit, RayPacket::size> hits;
-        uint32_t out = 0;
-        for (uint32_t k = 0; k < probes; k += RayPacket::size) {
-            source.fill(k, rays);
+        uint32_t out = 0, met = 0;
+        for (uint32_t first = 0; first < probes; first += RayPacket::size) {
+            source.fill(first, rays);
             work_.scene.intersect(rays, hits, false);
-            out += uint32_t(std::count_if(hits.begin(), hits.end(), [](const Hit& h) { return !h; }));
+            for (std::size_t k = 0; k < hits.size(); ++k) {
+                out += !hits[k];
+                met += hits[k] && patches_.seen(hits[k], {rays.dx[k], rays.dy[k], rays.dz[k]}) != ~0u;
+            }
         }
+        met_[i] = double(met) / probes;
         lost += out;
     });
-    return double(lost) <= leak * probes * double(patches_.size());
+    closed_ = double(lost) <= leak * probes * double(patches_.size());
 }
 
 void MatrixBuilder::refuse(double bytes) const {
@@ -209,7 +215,7 @@ FormFactorMatrix MatrixBuilder::build(FormFactorCheck* check) {
     if (patches_.size() == 0 || !findRows()) return m;
     const bool analytic = factors_.settings().method == FormFactorMethod::analytic;
     const bool guessed = analytic && factors_.settings().shadowRays > 0; // the share that arrives
-    closed_ = (check || guessed) && closed();
+    if (check || guessed) probe();
     for (const auto& row : rows_) {
         double sum = 0;
         for (const Factor& f : row) sum += double(f.factor);
@@ -220,9 +226,9 @@ FormFactorMatrix MatrixBuilder::build(FormFactorCheck* check) {
         if (check) checkBefore(other, *check);
         merge(other, m);
     }
-    // Analytic factors are symmetric as they are. Where rays weighed what hides them, only a closed room tells what they must sum to.
-    if (guessed && closed_) std::fill(sums_.begin(), sums_.end(), 1.0);
-    if ((!analytic || (guessed && closed_)) && !fault(Fault::formFactorTransposed)) scale(m);
+    // Analytic factors are symmetric as they are. Where rays weighed what hides them, other rays tell what they must sum to.
+    if (guessed) sums_ = met_;
+    if ((!analytic || guessed) && !fault(Fault::formFactorTransposed)) scale(m);
     if (check) checkAfter(m, *check);
     return m;
 }

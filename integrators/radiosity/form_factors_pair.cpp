@@ -7,8 +7,8 @@
 namespace chiaro::radiosity {
 namespace {
 
-// Distances over the longest edge from which the rules err by less than 1e-6.
-constexpr double farEnough = 5, veryFar = 20;
+// Distances over the longest edge from which the rules err by less than 1e-6: those of quadrilaterals are symmetric and gain two orders.
+constexpr double farEnough = 5, farTriangle = 7, veryFar = 20, veryFarTriangle = 60;
 
 Polygon polygonOf(const Patch& p) noexcept {
     Polygon q;
@@ -86,6 +86,12 @@ double meanKernel(const Nodes& a, const Vec3d& na, const Nodes& b, const Vec3d& 
     return sum / std::numbers::pi;
 }
 
+// From its corners: a float normal is off by enough to matter at grazing angles.
+Vec3d normalOf(const Patch& p) noexcept {
+    const Vec3d a = cast<double>(p.corner[0]), b = cast<double>(p.corner[1]), c = cast<double>(p.corner[2]);
+    return normalize(p.corners == 3 ? cross(b - a, c - a) : cross(c - a, cast<double>(p.corner[3]) - b));
+}
+
 double longestEdge2(const Patch& p) noexcept {
     float l = 0;
     for (uint32_t k = 0; k < p.corners; ++k) l = max(l, lengthSquared(p.corner[(k + 1) % p.corners] - p.corner[k]));
@@ -101,10 +107,12 @@ double polygonExchange(const Patch& p, const Patch& q) noexcept {
     const Position ab = positionOf(a, b), ba = positionOf(b, a);
     const bool whole = ab == Position::before && ba == Position::before;
     if ((ab == Position::behind || ba == Position::behind) && !fault(Fault::formFactorHorizon)) return 0;
-    const Vec3d na = cast<double>(a.normal), nb = cast<double>(b.normal);
+    const Vec3d na = normalOf(a), nb = normalOf(b);
     const double edge2 = std::max(longestEdge2(a), longestEdge2(b)), distance2 = double(lengthSquared(b.centre - a.centre));
-    if (whole && distance2 > edge2 * (farEnough * farEnough)) {
-        const bool few = distance2 > edge2 * (veryFar * veryFar);
+    const bool triangle = a.corners == 3 || b.corners == 3;
+    const auto beyond = [&](double edges) { return distance2 > edge2 * (edges * edges); };
+    if (whole && beyond(triangle ? farTriangle : farEnough)) {
+        const bool few = beyond(triangle ? veryFarTriangle : veryFar);
         return std::max(meanKernel(nodesOf(a, few), na, nodesOf(b, few), nb), 0.0);
     }
     return exchangeArea(polygonOf(a).all(), na, polygonOf(b).all(), nb);

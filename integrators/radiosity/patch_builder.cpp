@@ -294,6 +294,10 @@ void PatchBuilder::tell(const Patches& patches) const {
     const auto backs = std::count_if(patches.patches_.begin(), patches.patches_.end(), [](const Patch& p) { return p.other != ~0u; }) / 2;
     work_.notes.tell(
         "patches", fmt::format("{} of {:.3g} m at most, {} of them backs that light reaches", patches.size(), patches.longestEdge_, backs));
+    if (settings_.size == 0 && patches.size() > 1.5 * settings_.count)
+        work_.notes.tell("patches",
+                         fmt::format("more than the {} asked for, since a patch is no larger than a triangle; a size cuts the large ones",
+                                     settings_.count));
     if (mesh_.degenerate) work_.notes.tell("patches", fmt::format("{} degenerate triangles left out", mesh_.degenerate));
     if (!mesh_.moving.empty())
         work_.notes.warn(fmt::format("radiosity takes things that move where they are when the shutter opens: {} of {} parts of the scene",

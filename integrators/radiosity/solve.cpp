@@ -94,7 +94,11 @@ Solution solve(const Work& work, const Patches& patches, const SolveSettings& s)
     const FormFactors factors(work, patches, s.factors);
     const Run run{work.run, work.stop, work.seed, work.memoryLimit};
     begin = Clock::now();
-    if (matrixSolver(s.solver))
+    const bool noExchange = s.limits.bounces <= (s.emissionByFactors ? 0u : 1u);
+    const auto nothing = [](std::span<const Light>, std::span<Light> to) { std::fill(to.begin(), to.end(), Light(0)); };
+    if (noExchange)
+        out = neumann(system, nothing, s.limits, run);
+    else if (matrixSolver(s.solver))
         out = byMatrix(work, factors, system, s, run);
     else if (s.solver == Solver::shoot)
         out = byShooting(factors, system, s, run);

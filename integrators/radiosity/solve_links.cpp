@@ -110,7 +110,7 @@ private:
             &work_.stop);
         if (full)
             throw Error(Exit::resources,
-                        fmt::format("radiosity: more than {} links, limit {:.1f} GB. Use a larger link-error, fewer patches, "
+                        fmt::format("radiosity: more than {} links, limit {:.2g} GB. Use a larger link-error, fewer patches, "
                                     "or solver=stochastic.",
                                     most, double(work_.memoryLimit) / 1e9));
         all.reserve(count);

@@ -287,6 +287,15 @@ TEST_SUITE("bake-light") {
             REQUIRE(o.code == 0);
             CHECK(json::parse(o.out)["meanIrradiance"][1] > 0);
         }
+        std::vector<double> same; // methods that see all light of a diffuse room
+        for (const char* name : {"path", "radiosity", "photon"}) {
+            const Outcome o = run(folder, {"bake", "@cornell", "-i", name, "--size", "48", "--spp", "48", "-o", "x.glb", "-q", "--json"});
+            INFO(name << o.err);
+            REQUIRE(o.code == 0);
+            same.push_back(json::parse(o.out)["meanIrradiance"][1]);
+        }
+        CHECK(std::fabs(same[1] / same[0] - 1) < 0.02);
+        CHECK(std::fabs(same[2] / same[0] - 1) < 0.02);
         REQUIRE(run(folder, {"bake", "@cornell", "--mode", "keep", "--size", "48", "--spp", "2", "-o", "k.glb", "-q"}).code == 0);
         const json g = gltfOf(folder / "k.glb");
         std::size_t mapped = 0;

@@ -35,8 +35,8 @@ TEST_SUITE("ff") {
         if (absent()) return;
         const Folder folder;
         for (const char* method : {"analytic", "hemisphere", "hemicube"}) {
-            const auto j =
-                jsonOf(run(folder, {"ff", "@cornell", "0", "30", "--patches", "100", "--method", method, "--resolution", "32", "--json"}));
+            const auto j = jsonOf(run(
+                folder, {"ff", "@cornell", "floor", "ceiling", "--patches", "100", "--method", method, "--resolution", "32", "--json"}));
             const double there = j["there"]["factor"].get<double>() * j["from"]["area"].get<double>(),
                          back = j["back"]["factor"].get<double>() * j["to"]["area"].get<double>();
             const double error = j["there"]["error"].get<double>() * j["from"]["area"].get<double>() +
@@ -77,12 +77,12 @@ TEST_SUITE("ff") {
         };
         fails({"ff"}, 64, "SCENE");
         fails({"ff", "@cornell", "nothing", "0"}, 64, "no object \"nothing\"");
-        fails({"ff", "@cornell", "99999999", "0"}, 64, "whole number");
+        fails({"ff", "@cornell", "99999999", "0"}, 64, "no patch 99999999");
         fails({"ff", "@cornell", "--method", "guess"}, 64, "analytic");
         fails({"ff", "@cornell", "--size", "1", "--patches", "9"}, 64, "one of them");
         fails({"ff", "@cornell", "0", "--check"}, 64, "--check");
         fails({"ff", "@cornell", "--size", "1e-6"}, 6, "patches");
-        fails({"ff", "@cornell", "--check", "--max-memory", "300K"}, 6, "memory");
+        fails({"ff", "@cornell", "--check", "--patches", "3000", "--max-memory", "1M"}, 6, "memory");
         fails({"ff", "absent.glb"}, 4, "absent.glb");
     }
 } // TEST_SUITE

@@ -132,7 +132,7 @@ TEST_SUITE("photon-rooms") {
         for (const char* how : {"photon:count=8k,radius=0.08", "photon:count=8k,radius=0.08,gather=0", "sppm:count=2k,radius=0.08"}) {
             CAPTURE(how);
             const Settings few{12, 12, 64, {}, 2};
-            checkEqual(measure(*scene, probe({.01, -.999, .012}, {0, -1, 0}, .3, .25), few, how), .2298905, 0.05, 1.2e-2);
+            checkEqual(measure(*scene, probe({.01, -.999, .012}, {0, -1, 0}, .3, .25), few, how), .2298905, 0.07, 1.2e-2);
         }
     }
 }
@@ -140,7 +140,7 @@ TEST_SUITE("photon-rooms") {
 TEST_SUITE("photon-and-path") {
     TEST_CASE("as the radius shrinks: path, on a scene of every kind of lobe (G9)") {
         const auto scene = compiled(corner(true, false));
-        const Settings how{16, 12, 8, {}, 2, 0, SamplerKind::sobol, FilterKind::box};
+        const Settings how{16, 12, 16, {}, 2, 0, SamplerKind::sobol, FilterKind::box};
         Settings reference = how;
         reference.spp = 256;
         const stats::Moments path = replicate(*scene, view, reference, "path", without(unseen), 1);
@@ -153,7 +153,7 @@ TEST_SUITE("photon-and-path") {
             const stats::Moments whole = replicate(*scene, view, how, base, without(unseen), seed++);
             const stats::Moments half = replicate(*scene, view, how, base + ",shrink=0.5", without(unseen), seed++);
             INFO("at h " << whole.mean << " +- " << whole.error() << ", at h/2 " << half.mean << " +- " << half.error());
-            checkSame(extrapolated(whole, half), std::hypot(2 * half.error(), whole.error()), path, 0.1, 2e-3);
+            checkSame(extrapolated(whole, half), std::hypot(2 * half.error(), whole.error()), path, 0.12, 2e-3);
         }
     }
     TEST_CASE("direct light is the path tracer's: shadow rays, lobes and lamps in mirrors") {
@@ -186,7 +186,7 @@ TEST_SUITE("photon-caustics") {
         const auto scene = compiled(std::move(s));
         // From the side and below the ball: the floor is seen directly, and every piece of it counts the same, blurred or not.
         const CameraDesc camera = probe({0, 0, 0}, {0, -.2, -1}, 1.5, .2);
-        const Settings how{16, 16, 4, {}, 2, 0, SamplerKind::sobol, FilterKind::box};
+        const Settings how{16, 16, 16, {}, 2, 0, SamplerKind::sobol, FilterKind::box};
         PathQuery caustic;
         caustic.paths = "L S+ D E";
         const stats::Moments light =
@@ -194,11 +194,11 @@ TEST_SUITE("photon-caustics") {
         CHECK(replicate(*scene, camera, how, "path", caustic, 2).mean == 0);
         uint64_t seed = 3;
         for (const char* other :
-             {"photon:count=1k,caustic-count=8k,caustic-radius=0.03", "photon:gather=0,count=1k,caustic-count=8k,caustic-radius=0.03",
-              "sppm:radius=0.03", "photon:estimate=knn,k=20,count=1k,caustic-count=8k,caustic-radius=0.05"}) {
+             {"photon:count=1k,caustic-count=8k,caustic-radius=0.08", "photon:gather=0,count=1k,caustic-count=8k,caustic-radius=0.08",
+              "sppm:radius=0.08", "photon:estimate=knn,k=100,count=1k,caustic-count=8k,caustic-radius=0.1"}) {
             CAPTURE(other);
             const stats::Moments m = replicate(*scene, camera, how, other, caustic, seed++);
-            checkSame(m, m.error(), light, 0.1, 1e-2);
+            checkSame(m, m.error(), light, 0.15, 2e-2);
         }
     }
     TEST_CASE("the focus of a ball lens holds the energy that optics says (@caustic, G7)") {

@@ -11,10 +11,12 @@ namespace chiaro::bake {
 namespace {
 
 using Triangle2 = std::array<Point2, 3>;
-constexpr float cone = 0.766f;      // cosine of 40 degrees
-constexpr float crease = 0.99985f;  // of 1 degree
-constexpr uint32_t foldCells = 256; // along a chart, to see whether it overlaps itself
+constexpr float cone = 0.766f;     // cosine of 40 degrees
+constexpr float crease = 0.99985f; // of 1 degree
 constexpr uint32_t noNeighbour = ~0u;
+
+// Along a chart of so many triangles, to see whether it overlaps itself.
+uint32_t foldCells(std::size_t triangles) { return uint32_t(std::min(256.0, 32 + 8 * std::sqrt(double(triangles)))); }
 
 struct PositionHash {
     std::size_t operator()(const std::array<uint32_t, 3>& p) const noexcept { return hashCombine(hashCombine(p[0], p[1]), p[2]); }
@@ -140,7 +142,7 @@ public:
                     }
             std::sort(found.begin(), found.end());
             std::vector<Triangle2> flat = projected(s_, found, s_.normals[seed]);
-            if (found.size() > 1 && overlaps(flat, foldCells) > 0) {
+            if (found.size() > 1 && overlaps(flat, foldCells(found.size())) > 0) {
                 folded_.push_back(std::move(found));
                 continue;
             }

@@ -183,45 +183,63 @@ private:
                                     settings_.density, settings_.most, settings_.most, settings_.density * settings_.most / size));
         return uint32_t(std::max(size, 1.0));
     }
-    void place() {
-        std::optional<std::vector<Pixel>> places;
-        if (settings_.size > 0 || settings_.density == 0) {
-            uint32_t size = settings_.size > 0 ? settings_.size : standardSize;
-            while (!fits(0, size)) {
-                if (settings_.size > 0)
-                    throw Error(Exit::usage,
-                                fmt::format("--size {}: {} charts do not fit into the light map; give a larger one", size, charts_.size()));
-                if ((size *= 2) > settings_.most)
-                    throw Error(Exit::resources, fmt::format("{} charts do not fit into a light map of {}x{}; use --to vertex",
-                                                             charts_.size(), settings_.most, settings_.most));
+    struct Fit {
+        double density = 0; // 0: none
+        std::vector<Pixel> places;
+    };
+    // The most texels a metre that a map of this size holds.
+    Fit finest(uint32_t size) {
+        Fit best;
+        double low = 0, high = std::sqrt(double(size) * size / area_);
+        for (int i = 0; i < 14; ++i) {
+            const double middle = (low + high) / 2;
+            if (auto places = fits(middle, size)) {
+                low = middle;
+                best = {middle, std::move(*places)};
+            } else {
+                high = middle;
             }
-            double low = 0, high = settings_.density > 0 ? settings_.density : std::sqrt(double(size) * size / area_);
-            places = fits(high, size);
-            if (places)
-                low = high;
-            else
-                places = fits(0, size);
-            for (int i = 0; i < 14 && low < high; ++i) {
-                const double middle = (low + high) / 2;
-                if (auto p = fits(middle, size)) {
-                    low = middle;
-                    places = std::move(p);
-                } else {
-                    high = middle;
-                }
-            }
-            layout_.size = size;
-            layout_.density = low;
-        } else {
-            const double least = std::sqrt(area_) * settings_.density;
-            uint64_t size = 64;
-            for (; double(size) < least || !(places = fits(settings_.density, uint32_t(size))); size *= 2)
-                if (size * 2 > settings_.most) checked(std::max(2.0 * double(size), least));
-            layout_.size = uint32_t(size);
-            layout_.density = settings_.density;
         }
+        return best;
+    }
+    // Of a map of no given size: as large as it takes for charts to fill a fifth of it, where the rest is not padding alone.
+    Fit byItself() {
+        constexpr double leastUse = 0.2;
+        constexpr uint32_t mostByItself = 4096;
+        for (uint32_t size = standardSize; size <= settings_.most; size *= 2) {
+            Fit fit = finest(size);
+            const double use = fit.density * fit.density * area_ / (double(size) * size);
+            if (fit.density == 0 || (use < leastUse && size < mostByItself)) continue;
+            layout_.size = size;
+            return fit;
+        }
+        throw Error(Exit::resources, fmt::format("{} charts do not fit into a light map of {}x{}; use --to vertex", charts_.size(),
+                                                 settings_.most, settings_.most));
+    }
+    Fit bySize() {
+        layout_.size = settings_.size;
+        Fit fit = finest(settings_.size);
+        if (fit.density == 0)
+            throw Error(Exit::usage, fmt::format("--size {}: {} charts do not fit into the light map; give a larger one", settings_.size,
+                                                 charts_.size()));
+        return fit;
+    }
+    Fit byDensity() {
+        const double least = std::sqrt(area_) * settings_.density;
+        for (uint64_t size = 64;; size *= 2) {
+            if (size > settings_.most) checked(std::max(double(size), least));
+            if (double(size) < least) continue;
+            if (auto places = fits(settings_.density, uint32_t(size))) {
+                layout_.size = uint32_t(size);
+                return {settings_.density, std::move(*places)};
+            }
+        }
+    }
+    void place() {
+        const Fit fit = settings_.size > 0 ? bySize() : settings_.density > 0 ? byDensity() : byItself();
+        layout_.density = fit.density;
         fits(layout_.density, layout_.size); // the extents of this density
-        for (std::size_t i = 0; i < charts_.size(); ++i) settle(i, (*places)[i]);
+        for (std::size_t i = 0; i < charts_.size(); ++i) settle(i, fit.places[i]);
     }
     void settle(std::size_t i, Pixel at) {
         const Chart& c = charts_[i];

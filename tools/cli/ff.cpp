@@ -69,7 +69,9 @@ FfSelection select(const std::string& text, const Patches& patches, const FfObje
     const bool number = std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c); });
     if (number) {
         if (patches.size() == 0) throw Error(Exit::usage, "the scene has no patches");
-        const uint64_t i = parseWhole("patch", text, 0, patches.size() - 1);
+        const uint64_t i = text.size() > 10 ? ~uint64_t(0) : std::stoull(text);
+        if (i >= patches.size())
+            throw Error(Exit::usage, fmt::format("no patch {}; the scene has patches 0 to {}", text, patches.size() - 1));
         s.patches = {uint32_t(i)};
         s.name = fmt::format("{} of \"{}\"", i, objects.nameOf(patches[i]));
         return s;

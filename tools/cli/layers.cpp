@@ -18,9 +18,7 @@ LayerChoice readLayers(const std::string& list) {
         case 2: chosen.depth = true; break;
         case 3: chosen.cost = true; break;
         case 4: chosen.photons = true; break;
-        case 5:
-            chosen.albedo = chosen.normal = chosen.depth = chosen.cost = chosen.all = true;
-            break;
+        case 5: chosen.albedo = chosen.normal = chosen.depth = chosen.cost = chosen.all = true; break;
         default: none = true;
         }
     }

@@ -143,6 +143,7 @@ int renderFilm(const RenderSettings& s, const LoadedScene& loaded, const View& v
     warnDropped(s, job, integrator.inner(), film);
     std::vector<std::filesystem::path> files = writeOutputs(s, loaded, view, display, film, seenAtCentres(job), rendered);
     if (!s.photonMap.empty()) writePhotonMap(s, *loaded.scene, integrator.inner(), solved.field.get(), notes);
+    console.facts(notes); // what was found while rendering
     console.warnings(notes);
     const int code = exitCode(s, rendered.result, notes);
     const std::vector<std::filesystem::path> costs = costFilesOf(s, files);
