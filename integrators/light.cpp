@@ -3,6 +3,7 @@
 // position, We the importance that the lens emits towards the point (Camera::importance). Emission seen directly is looked up along camera
 // rays. connect=off is the textbooks' forward ray tracing: nothing is aimed, and only what goes through the opening of the lens is counted.
 #include "integrators/entries.h"
+#include "integrators/iterations.h"
 #include "integrators/light_walk.h"
 #include <fmt/format.h>
 
@@ -104,15 +105,6 @@ void LightTracing::prepare(const Job& job) {
 // have the size of camera samples and their divisor, the same share of the number of paths, is exact.
 uint64_t pathsAnIteration(const View& view) noexcept { return uint64_t(view.width) * view.height; }
 float shareOfOne(uint64_t paths) noexcept { return std::ldexp(1.f, -int(std::bit_width(paths))); }
-
-// Iterations are whole: after a stop, pixels are ahead of the film's own count.
-uint32_t nextIteration(const Film& film, const Pass& pass) noexcept {
-    const Rect& r = film.layout().crop;
-    uint32_t next = pass.begin;
-    for (uint32_t y = r.y0; y < r.y1; ++y)
-        for (uint32_t x = r.x0; x < r.x1; ++x) next = std::max(next, film.next({x, y}));
-    return next;
-}
 
 void LightTracing::render(const Job& job, const Pass& pass, Film& film) {
     const uint32_t begin = nextIteration(film, pass);

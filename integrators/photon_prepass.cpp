@@ -17,7 +17,6 @@ class PhotonPrepass final : public Prepass, public PhotonSource {
 public:
     explicit PhotonPrepass(const Options& o) : field_(Field::plan(o)) {}
     void solve(const Work& work) override {
-        work.progress.phase("photons");
         field_.prepare(work, {});
         if (!field_.trace(work, 0, {})) return;
         work.notes.tell("photons", field_.summary() + "      keep it with: --prepass photon:" + field_.recipe());

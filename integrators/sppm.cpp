@@ -4,6 +4,7 @@
 // iteration, so that photons and eye see the same scene. Memory is that of one iteration.
 #include "core/render/archive.h"
 #include "integrators/entries.h"
+#include "integrators/iterations.h"
 #include "integrators/photon_eye.h"
 #include "integrators/photon_field.h"
 #include "integrators/sppm_radius.h"
@@ -79,15 +80,6 @@ void Sppm::prepare(const Job& job) {
     job.notes.tell("photons", fmt::format("{} light paths an iteration{}, first radius {:.3g} m      keep it with: -i "
                                           "sppm:count={},caustic-count={},radius={:.3g}",
                                           plan.paths, caustic, double(first_), plan.paths, plan.causticPaths, double(first_ / shrink_)));
-}
-
-// Iterations are whole: after a stop, pixels are ahead of the film's own count.
-uint32_t nextIteration(const Film& film, const Pass& pass) noexcept {
-    const Rect& r = film.layout().crop;
-    uint32_t next = pass.begin;
-    for (uint32_t y = r.y0; y < r.y1; ++y)
-        for (uint32_t x = r.x0; x < r.x1; ++x) next = std::max(next, film.next({x, y}));
-    return next;
 }
 
 void Sppm::render(const Job& job, const Pass& pass, Film& film) {

@@ -4,7 +4,9 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <algorithm>
+#include <array>
 #include <fmt/format.h>
+#include <functional>
 
 namespace chiaro {
 namespace {
@@ -52,32 +54,31 @@ template <class F> std::vector<Spectrum> perPixel(const Rect& window, F&& value)
     return all;
 }
 
-void addCosts(Picture& picture, const Film& film) {
-    for (const char* name : {"cost.time", "cost.rays", "cost.depth"}) picture.add(name);
+// Three planes of which a pixel gives the values together.
+void addThree(Picture& picture, std::array<const char*, 3> names, const std::function<std::array<float, 3>(Pixel)>& values) {
+    for (const char* name : names) picture.add(name);
     const auto planes = picture.planes.end() - 3;
     const Rect& window = picture.window;
     std::size_t i = 0;
     for (uint32_t y = window.y0; y < window.y1; ++y)
         for (uint32_t x = window.x0; x < window.x1; ++x, ++i) {
-            const Cost cost = film.cost({x, y});
-            planes[0][i] = cost.microseconds;
-            planes[1][i] = cost.rays;
-            planes[2][i] = cost.depth;
+            const std::array<float, 3> three = values({x, y});
+            for (int k = 0; k < 3; ++k) planes[k][i] = three[std::size_t(k)];
         }
 }
 
+void addCosts(Picture& picture, const Film& film) {
+    addThree(picture, {"cost.time", "cost.rays", "cost.depth"}, [&](Pixel p) -> std::array<float, 3> {
+        const Cost c = film.cost(p);
+        return {c.microseconds, c.rays, c.depth};
+    });
+}
+
 void addGathered(Picture& picture, const Film& film) {
-    for (const char* name : {"photons.density", "photons.radius", "photons.count"}) picture.add(name);
-    const auto planes = picture.planes.end() - 3;
-    const Rect& window = picture.window;
-    std::size_t i = 0;
-    for (uint32_t y = window.y0; y < window.y1; ++y)
-        for (uint32_t x = window.x0; x < window.x1; ++x, ++i) {
-            const Gathered g = film.gathered({x, y});
-            planes[0][i] = g.density;
-            planes[1][i] = g.radius;
-            planes[2][i] = g.count;
-        }
+    addThree(picture, {"photons.density", "photons.radius", "photons.count"}, [&](Pixel p) -> std::array<float, 3> {
+        const Gathered g = film.gathered(p);
+        return {g.density, g.radius, g.count};
+    });
 }
 
 Metadata readAttributes(const OIIO::ImageSpec& spec) {

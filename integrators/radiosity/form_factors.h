@@ -109,5 +109,7 @@ struct FormFactorCheck {
 
 // Empty (no areas) where the stop token ended it. Throws Error(Exit::resources) beyond the work's memory limit.
 FormFactorMatrix formFactorMatrix(const Work&, const FormFactors&, FormFactorCheck* = nullptr);
+// Throws what formFactorMatrix() throws beyond the memory limit, but judging by a few rows, before any work is done.
+void requireRoomForMatrix(const Work&, const FormFactors&);
 
 } // namespace chiaro::radiosity

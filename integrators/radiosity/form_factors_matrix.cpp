@@ -22,6 +22,18 @@ struct Sparse {
     std::span<const Factor> row(std::size_t i) const noexcept { return {entries.data() + begin[i], begin[i + 1] - begin[i]}; }
 };
 
+[[noreturn]] void refuse(const Work& work, std::size_t patches, double bytes) {
+    throw Error(Exit::resources,
+                fmt::format("the form factors of {} patches need about {:.2g} GB, limit {:.2g} GB. Take fewer patches or fewer "
+                            "rays a row, another solver that keeps no matrix, or raise --max-memory.",
+                            patches, bytes / 1e9, double(work.memoryLimit) / 1e9));
+}
+
+// The rows, their transpose and the matrix are in memory together: an entry three times.
+double bytesFor(double patches, double entriesOfARow) {
+    return patches * (sizeof(std::vector<Factor>) + 3 * sizeof(uint64_t) + 3 * sizeof(Factor) * entriesOfARow);
+}
+
 class MatrixBuilder {
 public:
     MatrixBuilder(const Work& work, const FormFactors& factors) : work_(work), factors_(factors), patches_(factors.patches()) {}
@@ -30,7 +42,6 @@ public:
 private:
     bool findRows();
     void probe();
-    [[noreturn]] void refuse(double bytes) const;
     Sparse transposed() const;
     void merge(const Sparse& other, FormFactorMatrix&);
     void scale(FormFactorMatrix&) const;
@@ -72,19 +83,11 @@ void MatrixBuilder::probe() {
     closed_ = double(lost) <= leak * probes * double(patches_.size());
 }
 
-void MatrixBuilder::refuse(double bytes) const {
-    throw Error(Exit::resources,
-                fmt::format("the form factors of {} patches need about {:.2g} GB, limit {:.2g} GB. Take fewer patches or fewer "
-                            "rays a row, another solver that keeps no matrix, or raise --max-memory.",
-                            patches_.size(), bytes / 1e9, double(work_.memoryLimit) / 1e9));
-}
-
-// The rows, their transpose and the matrix are in memory together: an entry three times.
 bool MatrixBuilder::findRows() {
     rows_.resize(patches_.size());
     std::atomic<uint64_t> entries{0}, done{0};
     std::atomic<bool> full{false};
-    const double limit = double(work_.memoryLimit), base = double(patches_.size()) * (sizeof(std::vector<Factor>) + 3 * sizeof(uint64_t));
+    const double limit = double(work_.memoryLimit), n = double(patches_.size());
     const bool complete = work_.run.chunks(
         patches_.size(),
         [&](uint64_t i) {
@@ -92,12 +95,12 @@ bool MatrixBuilder::findRows() {
             std::vector<Factor> row;
             factors_.row(uint32_t(i), row);
             rows_[i].assign(row.begin(), row.end()); // without what the vector holds in reserve
-            const uint64_t n = entries += row.size();
+            const uint64_t found = entries += row.size();
             ++done;
-            if (base + 3.0 * sizeof(Factor) * double(n) > limit) full = true;
+            if (bytesFor(n, double(found) / n) > limit) full = true;
         },
         &work_.stop);
-    if (full) refuse(base + 3.0 * sizeof(Factor) * double(entries) / double(done) * double(patches_.size()));
+    if (full) refuse(work_, patches_.size(), bytesFor(n, double(entries) / double(done)));
     return complete;
 }
 
@@ -234,6 +237,20 @@ FormFactorMatrix MatrixBuilder::build(FormFactorCheck* check) {
 }
 
 } // namespace
+
+void requireRoomForMatrix(const Work& work, const FormFactors& factors) {
+    constexpr std::size_t looks = 64; // rows that speak for all
+    const std::size_t n = factors.patches().size(), step = std::max<std::size_t>(1, n / looks);
+    if (bytesFor(double(n), double(n)) <= double(work.memoryLimit)) return; // even a full one fits
+    std::vector<Factor> row;
+    double entries = 0, seen = 0;
+    for (std::size_t i = 0; i < n; i += step, ++seen) {
+        factors.row(uint32_t(i), row);
+        entries += double(row.size());
+    }
+    const double bytes = bytesFor(double(n), entries / seen);
+    if (bytes > double(work.memoryLimit)) refuse(work, n, bytes);
+}
 
 FormFactorMatrix formFactorMatrix(const Work& work, const FormFactors& factors, FormFactorCheck* check) {
     return MatrixBuilder(work, factors).build(check);

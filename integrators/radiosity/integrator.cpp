@@ -88,7 +88,7 @@ void RadiosityView::prepare(const Job& job) {
     if (job.stop.requested()) return;
     Solution solution = solve(job, patches_, how);
     if (!solution.complete) return;
-    tell(job, patches_, cut_, how, solution);
+    tell(job, patches_, cut_, how, solution, "-i radiosity");
     field_ = Field(job.run, patches_, solution);
     unshot_ = std::move(solution.unshot);
     rowSums_ = std::move(solution.rowSums);

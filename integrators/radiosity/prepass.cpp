@@ -46,12 +46,11 @@ void RadiosityPrepass::solve(const Work& work) {
     how.limits.apart = std::max(termsApart(work.classes, work.scene, arrivalsThroughMirrors(work.classes)), 1u);
     how.limits.bounces =
         std::min(how.limits.bounces, work.classes.maxDepth() >= unlimitedDepth ? Limits::converged : work.classes.maxDepth());
-    work.progress.phase("radiosity");
     patches_ = Patches::of(work, cut_);
     if (work.stop.requested()) return;
     const Solution solution = radiosity::solve(work, patches_, how);
     if (!solution.complete) return;
-    tell(work, patches_, cut_, how, solution);
+    tell(work, patches_, cut_, how, solution, "--prepass radiosity");
     field_ = Field(work.run, patches_, solution);
     kind_ = anyKind(work.scene);
 }

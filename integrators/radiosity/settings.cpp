@@ -39,9 +39,10 @@ SolveSettings solveSettings(const Options& o) {
     return s;
 }
 
-void tell(const Work& work, const Patches& patches, const PatchSettings& p, const SolveSettings& s, const Solution& out) {
+void tell(const Work& work, const Patches& patches, const PatchSettings& p, const SolveSettings& s, const Solution& out,
+          std::string_view typed) {
     constexpr const char* names[] = {"gauss-seidel", "jacobi", "direct", "shoot", "hierarchical", "stochastic"};
-    const std::string chosen = p.size > 0 ? "" : fmt::format("      keep it with: radiosity:size={:.4g}", patches.longestEdge());
+    const std::string chosen = p.size > 0 ? "" : fmt::format("      keep it with: {}:size={:.4g}", typed, patches.longestEdge());
     work.notes.tell("radiosity", fmt::format("{} patches of up to {:.3g} m{}", patches.size(), patches.longestEdge(), chosen));
     std::string text =
         fmt::format("{}: {} {}", names[int(s.solver)], out.residuals.size(), s.solver == Solver::shoot ? "steps" : "iterations");

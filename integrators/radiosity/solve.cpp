@@ -85,16 +85,17 @@ Solution solve(const Work& work, const Patches& patches, const SolveSettings& s)
     if (least > work.memoryLimit)
         throw Error(Exit::resources, fmt::format("radiosity: {} patches need {:.1f} GB, limit {:.1f} GB. Use fewer patches.",
                                                  patches.size(), double(least) / 1e9, double(work.memoryLimit) / 1e9));
+    const FormFactors factors(work, patches, s.factors);
+    const bool noExchange = s.limits.bounces <= (s.emissionByFactors ? 0u : 1u);
+    if (!noExchange && matrixSolver(s.solver)) requireRoomForMatrix(work, factors);
     Solution out;
     auto begin = Clock::now();
     Lights3 received = directIrradiance(work, patches, s.emissionByFactors ? FromLights::notPatches : FromLights::all, s.lightRays);
     if (received.size() != patches.size()) return out;
     const double directSeconds = since(begin);
     const System system = systemOf(patches, std::move(received), s.emissionByFactors);
-    const FormFactors factors(work, patches, s.factors);
     const Run run{work.run, work.stop, work.seed, work.memoryLimit};
     begin = Clock::now();
-    const bool noExchange = s.limits.bounces <= (s.emissionByFactors ? 0u : 1u);
     const auto nothing = [](std::span<const Light>, std::span<Light> to) { std::fill(to.begin(), to.end(), Light(0)); };
     if (noExchange)
         out = neumann(system, nothing, s.limits, run);

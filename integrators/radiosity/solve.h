@@ -26,6 +26,7 @@ Solution solve(const Work&, const Patches&, const SolveSettings&);
 System systemOf(const Patches&, Lights3 received, bool emissionByFactors);
 
 // What was cut and solved, in lines for Diagnostics::tell.
-void tell(const Work&, const Patches&, const PatchSettings&, const SolveSettings&, const Solution&);
+// typed: what the user writes before an option of it, "-i radiosity".
+void tell(const Work&, const Patches&, const PatchSettings&, const SolveSettings&, const Solution&, std::string_view typed);
 
 } // namespace chiaro::radiosity

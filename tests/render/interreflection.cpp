@@ -19,13 +19,6 @@ SceneDesc closed(PrimitiveDesc shell, float emission, float reflectance) {
 }
 PrimitiveDesc ballRoom() { return shapes::insideOut(shapes::sphere(1, 3)); }
 
-// A quad as one material; the six faces of the unit cube around the origin seen from inside.
-PrimitiveDesc cubeFace(int axis, int side) {
-    Vec3d n{};
-    (axis == 0 ? n.x : axis == 1 ? n.y : n.z) = side;
-    return plate(n * 0.5, -n, 0.5);
-}
-
 } // namespace
 
 TEST_SUITE("interreflection") {

@@ -30,12 +30,6 @@ Measured measureOn(const Scene& scene, CameraDesc camera, const char* paths, uin
     return {mean, std::sqrt(variance / replicates)};
 }
 
-PrimitiveDesc cubeFace(int axis, int side) {
-    Vec3d n{};
-    (axis == 0 ? n.x : axis == 1 ? n.y : n.z) = side;
-    return plate(n * 0.5, -n, 0.5);
-}
-
 } // namespace
 
 TEST_SUITE("light-interreflection") {

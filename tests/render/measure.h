@@ -32,6 +32,12 @@ inline PrimitiveDesc plate(const Vec3d& centre, const Vec3d& normal, double half
     return shapes::quad(centre - f.x * half - f.y * half, centre + f.x * half - f.y * half, centre + f.x * half + f.y * half,
                         centre - f.x * half + f.y * half);
 }
+// One of the six faces of the unit cube around the origin, seen from inside.
+inline PrimitiveDesc cubeFace(int axis, int side) {
+    Vec3d n{};
+    (axis == 0 ? n.x : axis == 1 ? n.y : n.z) = side;
+    return plate(n * 0.5, -n, 0.5);
+}
 
 struct Measured {
     double value = 0, error = 0; // mean of the replicates, and its standard error

@@ -2,22 +2,9 @@
 #pragma once
 #include "integrators/radiosity/patches.h"
 #include "tests/render/measure.h"
+#include "tests/work_kit.h"
 
 namespace chiaro::test {
-
-// All that a pre-pass may use.
-struct Bare {
-    explicit Bare(const Scene& scene, unsigned threads = 1, uint64_t seed = 0, std::size_t memory = ~std::size_t(0),
-                  SamplerKind sampler = SamplerKind::sobol)
-        : classes(unlimitedDepth), run(threads), work{scene, classes, scene.shutter(), seed, sampler, run, stop, progress, notes, memory} {}
-    Bare(const Bare&) = delete;
-    PathClasses classes;
-    Executor run;
-    StopToken stop;
-    Progress progress;
-    Diagnostics notes;
-    Work work;
-};
 
 inline radiosity::Patches patchesOf(const Bare& bare, float size) {
     radiosity::PatchSettings s;

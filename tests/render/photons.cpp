@@ -3,6 +3,7 @@
 #include "integrators/photon_trace.h"
 #include "tests/render/measure.h"
 #include "tests/statistics.h"
+#include "tests/work_kit.h"
 #include <cstring>
 #include <functional>
 #include <numbers>
@@ -15,23 +16,15 @@ namespace {
 
 constexpr double pi64 = std::numbers::pi;
 
-// All that tracing needs; threads, seed and path classes as asked.
-struct Tracer {
-    explicit Tracer(const Scene& scene, PathQuery query = {}, unsigned threads = 2, uint64_t seed = 0)
-        : classes(PathClasses::make(query)), run(threads),
-          work{scene, classes, scene.shutter(), seed, SamplerKind::sobol, run, stop, progress, notes} {}
+struct Tracer : Bare {
+    explicit Tracer(const Scene& s, const PathQuery& query = {}, unsigned threads = 2, uint64_t seed = 0)
+        : Bare(s, threads, seed, ~std::size_t(0), SamplerKind::sobol, query) {}
     TracedPhotons trace(uint64_t paths, const std::function<void(PhotonRequest&)>& change = {}) const {
         PhotonRequest request;
         request.paths = paths;
         if (change) change(request);
         return tracePhotons(work, request);
     }
-    PathClasses classes;
-    Executor run;
-    StopToken stop;
-    Progress progress;
-    Diagnostics notes;
-    Work work;
 };
 
 double fluxOf(const TracedPhotons& t) {

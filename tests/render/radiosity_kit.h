@@ -3,6 +3,7 @@
 #include "integrators/radiosity/field.h"
 #include "integrators/radiosity/solve.h"
 #include "tests/render/measure.h"
+#include "tests/work_kit.h"
 #include <memory>
 #include <vector>
 
@@ -14,10 +15,9 @@ struct Solved {
     double patchSeconds = 0;
 };
 
-class RadiosityBench {
+class RadiosityBench : public Bare {
 public:
-    explicit RadiosityBench(const Scene& s, unsigned threads = 1, uint64_t seed = 0)
-        : scene(s), run(threads), work{scene, classes, scene.shutter(), seed, SamplerKind::sobol, run, stop, progress, notes} {}
+    using Bare::Bare;
     Solved solve(const radiosity::PatchSettings& cut, const radiosity::SolveSettings& how) const {
         Solved s;
         s.patches = radiosity::Patches::of(work, cut);
@@ -34,14 +34,6 @@ public:
         REQUIRE(patch != ~0u);
         return patch;
     }
-
-    const Scene& scene;
-    PathClasses classes;
-    Executor run;
-    StopToken stop;
-    Progress progress;
-    Diagnostics notes;
-    Work work;
 };
 
 // Mean over area of what is asked of each patch that `counts` lets count.
