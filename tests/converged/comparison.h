@@ -102,6 +102,7 @@ struct Outcome {
     int stages = 1;             // 2: the first one was red
     judge::Agreement agreement; // of the last stage; of a method judged by its limit, at its own parameter
     std::string verdict;
+    double limitWidth = 0; // of a method judged in a limit: half of the 95 % interval of its relative error there
 };
 // An unbiased method must not be told from the reference. A consistent one (Traits::convergesOver) is judged by its limit, another biased
 // one by equivalence: its mean must be shown to lie within 1 %. Where the comparison is known as weak, no mean of so much noise can be

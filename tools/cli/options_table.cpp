@@ -319,7 +319,8 @@ constexpr auto table = std::to_array<Command>({
     {"scenes", "", "the scenes inside the program", jsonTable, runScenes, 0, 0},
     {"integrators", "[NAME]", "the algorithms, their options and the light paths they cover", jsonTable, runIntegrators, 0, 1},
     {"doctor", "", "checks this installation: libraries, memory, disk, a self-test render", jsonTable, runDoctor, 0, 0},
-    {"help", "[COMMAND|TOPIC]", "this overview, a command, or a topic: units, paths, prepass, exit-codes, scenes", noOptions, runHelp, 0, 1},
+    {"help", "[COMMAND|TOPIC]", "this overview, a command, or a topic: units, paths, prepass, exit-codes, scenes", noOptions, runHelp, 0,
+     1},
 });
 
 } // namespace
