@@ -149,13 +149,23 @@ TEST_SUITE("agree") {
     TEST_CASE("a pilot plans the samples and says how to keep the plan") {
         if (absent()) return;
         const Folder folder;
-        const Outcome o = agree(folder, {"@furnace", "--size", "16x16", "--margin", "2"}); // without -i: all that transport light
+        const Outcome o = agree(folder, {"@furnace", "-i", "path,raycast,whitted,distributed,light", "--size", "16x16", "--margin", "2"});
         CAPTURE(o.out);
         CAPTURE(o.err);
         CHECK(o.code == 0);
         CHECK(contains(o.err, "plan     32 replicates of "));
         CHECK(contains(o.err, "keep it with: --spp "));
         CHECK(o.out.find_first_not_of(' ', o.out.find("\npath ") + 5) == o.out.find("agrees")); // the first row, however wide
+    }
+
+    TEST_CASE("without a list all that transport light are judged") {
+        if (absent()) return;
+        const Folder folder;
+        const Outcome o = agree(folder, {"@cornell", "--size", "4x4", "--spp", "1", "--replicates", "2", "--paths", "L E"});
+        CAPTURE(o.out);
+        CAPTURE(o.err);
+        for (const char* name : {"path", "raycast", "whitted", "distributed", "light", "photon", "sppm", "radiosity"})
+            CHECK(contains(o.out, std::string("\n") + name + " "));
     }
 
     TEST_CASE("Ctrl-C ends with what is known") {

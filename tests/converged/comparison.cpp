@@ -245,7 +245,7 @@ void compareAll(std::string_view scene) {
                 if (scene == limitScene)
                     check(row, e, {d.size, d.spp / limitFactor, d.replicates / limitFactor, d.firstSeed, d.threads}, shortLimitWidth);
                 else
-                    fmt::print("SKIPPED: {} {}: its limit is judged in the long run, CHIARO_LONG=1\n", scene, e.choice.entry->name);
+                    fmt::print("{} {}: its limit is judged in the long run, CHIARO_LONG=1\n", scene, e.choice.entry->name);
                 continue;
             }
             check(row, e, d);
