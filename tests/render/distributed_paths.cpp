@@ -15,8 +15,7 @@ Measured restricted(const Scene& scene, const Settings& s, const std::string& in
     query.within = traits.covers;
     query.without = "Ld S+ (D|G) .* E | Ld S+ E";
     query.maxDepth = s.maxDepth;
-    double sum = 0, squares = 0;
-    for (int r = 0; r < replicates; ++r) {
+    return overReplicates([&](int r) {
         Settings replicate = s;
         replicate.seed = s.seed * 1000 + uint64_t(r);
         Bench bench(scene, scene.cameras()[0], replicate);
@@ -24,12 +23,8 @@ Measured restricted(const Scene& scene, const Settings& s, const std::string& in
         Film film(bench.layout());
         bench.render(film, integrator);
         CHECK(film.dropped() == 0);
-        const double m = film.meanLuminance().value;
-        sum += m;
-        squares += m * m;
-    }
-    const double mean = sum / replicates, variance = std::max(0.0, squares / replicates - mean * mean) * replicates / (replicates - 1);
-    return {mean, std::sqrt(variance / replicates)};
+        return film.meanLuminance().value;
+    });
 }
 Traits traitsOf(const std::string& integrator) {
     const IntegratorChoice choice = chooseIntegrator(integrator);

@@ -160,18 +160,7 @@ TEST_SUITE("interreflection") {
         SceneDesc s;
         const int lamp = shapes::add(s, shapes::lamp("lid", Spectrum(1), Spectrum(0.5f))),
                   wall = shapes::add(s, shapes::diffuse("dome", Spectrum(0.5f)));
-        // The upper half of a sphere that has an edge on its equator, seen from inside.
-        PrimitiveDesc dome = shapes::insideOut(shapes::sphere(1, 6)), half = dome;
-        half.indices.clear();
-        for (std::size_t i = 0; i < dome.indices.size(); i += 3) {
-            const float y =
-                dome.positions[dome.indices[i]].y + dome.positions[dome.indices[i + 1]].y + dome.positions[dome.indices[i + 2]].y;
-            if (y > -0.2f)
-                half.indices.insert(half.indices.end(), dome.indices.begin() + std::ptrdiff_t(i),
-                                    dome.indices.begin() + std::ptrdiff_t(i) + 3);
-        }
-        half.normals.clear();
-        shapes::add(s, "dome", std::move(half), wall);
+        shapes::add(s, "dome", upperDome(6), wall);
         shapes::add(s, "lid", plate({0, 0, 0}, {0, 1, 0}, 1.1), lamp);
         const auto scene = compiled(std::move(s));
         checkEqual(measure(*scene, probe({.2, 0, .1}, {0, -1, 0}), {16, 16, 512, {}, 2}), 1.2, 0.006, 2e-3);

@@ -45,6 +45,17 @@ struct Measured {
 inline constexpr int replicates = 16;
 inline constexpr double criticalT = 6.91; // of 15 degrees of freedom, two-sided p = 5e-6
 
+// value(r): of one replicate.
+template <class Value> Measured overReplicates(Value&& value) {
+    double sum = 0, squares = 0;
+    for (int r = 0; r < replicates; ++r) {
+        const double v = value(r);
+        sum += v;
+        squares += v * v;
+    }
+    const double mean = sum / replicates, variance = std::max(0.0, squares / replicates - mean * mean) * replicates / (replicates - 1);
+    return {mean, std::sqrt(variance / replicates)};
+}
 // Mean luminance over the picture, from independent replicates (other seeds) that share the samples of s.spp: under a scrambled sequence
 // only they tell the error truly.
 inline Measured measure(const Scene& scene, const CameraDesc& camera, const Settings& s, const std::string& integrator = "path") {
@@ -57,17 +68,23 @@ inline Measured measure(const Scene& scene, const CameraDesc& camera, const Sett
     for (Affine& m : local.motion) recentre(m);
     Settings one = s;
     one.spp = std::max(1u, s.spp / replicates);
-    double sum = 0, squares = 0;
-    for (int r = 0; r < replicates; ++r) {
+    return overReplicates([&](int r) {
         one.seed = s.seed * 1000 + uint64_t(r);
         const Rendering rendering = rendered(scene, local, one, integrator);
         CHECK(rendering.film->dropped() == 0);
-        const double m = rendering.film->meanLuminance().value;
-        sum += m;
-        squares += m * m;
-    }
-    const double mean = sum / replicates, variance = std::max(0.0, squares / replicates - mean * mean) * replicates / (replicates - 1);
-    return {mean, std::sqrt(variance / replicates)};
+        return rendering.film->meanLuminance().value;
+    });
+}
+// The upper half of a sphere that has an edge on its equator, seen from inside. level: of its subdivision.
+inline PrimitiveDesc upperDome(int level) {
+    PrimitiveDesc half = shapes::insideOut(shapes::sphere(1, level));
+    const std::vector<uint32_t> all = std::move(half.indices);
+    half.indices.clear();
+    for (std::size_t i = 0; i < all.size(); i += 3)
+        if (half.positions[all[i]].y + half.positions[all[i + 1]].y + half.positions[all[i + 2]].y > -0.2f)
+            half.indices.insert(half.indices.end(), all.begin() + std::ptrdiff_t(i), all.begin() + std::ptrdiff_t(i) + 3);
+    half.normals.clear();
+    return half;
 }
 // Equal to an exact number by a one-sample t-test; and the test must be able to see a relative bias of `resolution`.
 // floor: of the arithmetic (float radiance, tessellation), relative.
