@@ -4,6 +4,7 @@
 // rays. connect=off is the textbooks' forward ray tracing: nothing is aimed, and only what goes through the opening of the lens is counted.
 #include "integrators/entries.h"
 #include "integrators/iterations.h"
+#include "integrators/light_path_ledger.h"
 #include "integrators/light_walk.h"
 #include <fmt/format.h>
 
@@ -55,14 +56,19 @@ struct Receiver {
     bool broken = false; // it brought light that no film can hold
 };
 
-class LightTracing final : public Integrator, public PathSource {
+class LightTracing final : public Integrator, public PathSource, public LightPathLedger {
 public:
     explicit LightTracing(const Options& o) : rouletteDepth_(uint32_t(o.integer("rr-depth"))), connect_(o.boolean("connect")) {}
     void prepare(const Job&) override;
     void render(const Job&, const Pass&, Film&) override;
     void tellPath(const Job&, uint64_t number, PathLog&) const override;
+    std::optional<uint64_t> brokenPath() const override {
+        const uint64_t lowest = broken_;
+        return lowest == none ? std::nullopt : std::optional(lowest);
+    }
 
 private:
+    static constexpr uint64_t none = ~uint64_t(0);
     void shoot(const Job&, uint32_t iteration, Film&) const;
     void follow(const Job&, uint64_t number, Receiver&) const noexcept;
     struct Aiming { // a shadow ray to the lens from every vertex
@@ -92,7 +98,7 @@ private:
     uint32_t rouletteDepth_;
     bool connect_;
     Spread spread_;
-    mutable std::atomic<bool> brokenTold_{false};
+    mutable std::atomic<uint64_t> broken_{none}; // the lowest path that brought light which no film can hold
 };
 
 void LightTracing::prepare(const Job& job) {
@@ -121,7 +127,6 @@ void LightTracing::render(const Job& job, const Pass& pass, Film& film) {
 void LightTracing::shoot(const Job& job, uint32_t iteration, Film& film) const {
     const uint64_t paths = pathsAnIteration(job.view), first = iteration * paths;
     const float share = shareOfOne(paths);
-    constexpr uint64_t none = ~uint64_t(0);
     std::atomic<uint64_t> landed = 0, broken = none;
     const auto task = [&](uint64_t i) {
         Receiver to{.film = &film, .share = share};
@@ -138,7 +143,7 @@ void LightTracing::shoot(const Job& job, uint32_t iteration, Film& film) const {
     const uint64_t odd = (first + paths) / 2 - first / 2;
     film.lightPaths(double(paths - odd) * double(share), Half::even);
     film.lightPaths(double(odd) * double(share), Half::odd);
-    if (broken != none && !brokenTold_.exchange(true))
+    if (uint64_t before = none; broken != none && broken_.compare_exchange_strong(before, broken)) // iterations come in order
         job.notes.warn(
             fmt::format("light: light path {} brings light that is not finite. Follow it: chiaro trace -i light --sample {}, with "
                         "the scene and the options of this render",

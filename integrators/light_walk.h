@@ -58,21 +58,44 @@ struct WalkRules {
     PathLog* log = nullptr;
 };
 
-// Walks the particle. flux: what it carries at first, of the emission's ray. The visitor answers
-//   void flight(const Flight&)                                   if it has it: for every ray, before its end is known
+// A particle on its way: what a walk keeps from surface to surface.
+struct Particle {
+    Ray ray;
+    Spectrum flux; // lumen
+    Sampler sampler;
+    PathState state = 0; // 0: no wanted path goes on
+    LightKind kind = LightKind::area;
+    bool visible = true;    // as in Flight
+    uint32_t depth = 0;     // scatterings so far
+    uint32_t deltas = 0;    // as in Arrival
+    Spectrum throughput{1}; // of the events so far, for the roulette
+    Wavelengths lambda = {};
+    static constexpr uint32_t dimensions = 7; // of the sampler, a scattering; as many go into the departure
+};
+// flux: what it carries at first, of the emission's ray. sampler: behind the departure.
+inline Particle departed(const PathClasses& classes, const LightEmission& e, const Spectrum& flux, const Sampler& sampler) noexcept {
+    return {.ray = e.ray,
+            .flux = flux,
+            .sampler = sampler,
+            .state = classes.light(e.kind),
+            .kind = e.kind,
+            .visible = e.kind != LightKind::delta};
+}
+
+// The particle has met `hit`. True: it goes on along its ray, from `at`. from: the surface that it left; null: the light. The visitor
+// answers
 //   Onward arrive(const Arrival&, const Bsdf&, Sampler own)      at every surface where a wanted path can be scattered
 // own: for two dimensions, which are the visitor's.
 template <class Visitor>
-Fate walkParticle(const Work& work, const LightEmission& emission, Spectrum flux, Sampler& sampler, const WalkRules& rules,
-                  Visitor& visitor) {
+bool scatterParticle(const Work& work, Particle& p, const Hit& hit, const SurfacePoint* from, SurfacePoint& at, const WalkRules& rules,
+                     Visitor& visitor, Fate& fate) {
     const Scene& scene = work.scene;
     const PathClasses& classes = work.classes;
-    Fate fate;
-    double carried = double(luminance(flux));
+    double carried = double(luminance(p.flux));
     const auto leave = [&](double& where, const char* why) {
         where += carried;
         if (rules.log) rules.log->end(why);
-        return fate;
+        return false;
     };
     // The flux is `to` from here on; what it was more goes to `where`.
     const auto change = [&](double& where, const Spectrum& to) {
@@ -80,62 +103,72 @@ Fate walkParticle(const Work& work, const LightEmission& emission, Spectrum flux
         where += carried - now;
         carried = now;
     };
-    PathState state = classes.light(emission.kind);
-    Spectrum throughput(1); // of the events so far, for the roulette
-    Ray ray = emission.ray;
-    Wavelengths lambda;
-    SurfacePoint at, previous;
-    bool visible = emission.kind != LightKind::delta;
-    uint32_t deltas = 0;
-    if (rules.log) rules.log->arrive(PathLog::Kind::emission, ray.o, 0, flux).light = emission.light;
-    for (uint32_t depth = 0; state != 0; ++depth) {
-        const SurfacePoint* from = depth > 0 ? &previous : nullptr;
-        const Hit hit = scene.intersect(ray);
+    if (!hit) {
+        if (rules.log) logSky(*rules.log, scene, p.ray, p.flux);
+        fate.escaped += carried;
+        return false;
+    }
+    at = scene.point(hit, p.ray);
+    p.flux *= segmentTransmittance(scene, from, p.ray.d, &at, hit.t);
+    change(fate.absorbed, p.flux);
+    if (rules.log) logSurface(*rules.log, at, at.ns, hit.t, p.flux);
+    if (!classes.continues(p.state)) return leave(fate.ended, p.depth >= classes.maxDepth() ? "depth limit" : "no longer path is wanted");
+    const Bsdf bsdf = shade(scene, at, -p.ray.d, {}, p.lambda, Transport::importance);
+    const Onward onward =
+        visitor.arrive(Arrival{at, from, p.ray, hit.t, p.state, p.flux, p.depth, p.deltas, p.kind}, bsdf, Sampler(p.sampler));
+    p.sampler.skip(2);
+    if (onward == Onward::stop) return leave(fate.ended, "not followed");
+    const PickAndPoint u = p.sampler.get3D();
+    const auto sample = bsdf.sample(min(float(u.pick), oneMinusEpsilon), u.u);
+    if (!sample) return leave(fate.absorbed, "absorbed");
+    change(fate.absorbed, p.flux * sample->weight);
+    if (onward == Onward::delta && !sample->delta) return leave(fate.ended, "not followed");
+    const Turn next = turn(classes, p.state, bsdf, *sample, p.sampler);
+    if (!next.state || black(next.weight)) return leave(fate.ended, next.state ? "absorbed" : "no such path is wanted");
+    p.throughput *= next.weight;
+    float boost = 1;
+    if (p.depth >= rules.rouletteDepth) {
+        const float survive = min(maxComponent(p.throughput), 0.95f);
+        if (!(p.sampler.get1D() < survive)) return leave(fate.ended, "roulette");
+        boost = 1 / survive;
+    } else {
+        p.sampler.skip(1);
+    }
+    p.throughput *= boost;
+    p.flux *= next.weight * boost;
+    change(fate.ended, p.flux);
+    p.state = next.state;
+    p.visible = p.visible || !sample->delta;
+    p.deltas = sample->delta ? p.deltas + 1 : 0;
+    ++p.depth;
+    p.ray = at.towards(sample->wi);
+    if (rules.log) rules.log->scatter(next.event, next.weight * boost, sample->pdfW, sample->delta);
+    return true;
+}
+
+// Walks the particle to its end. Beside arrive() the visitor may have
+//   void flight(const Flight&)                                   for every ray, before its end is known
+template <class Visitor>
+Fate walkParticle(const Work& work, const LightEmission& emission, const Spectrum& flux, const Sampler& sampler, const WalkRules& rules,
+                  Visitor& visitor) {
+    Fate fate;
+    Particle p = departed(work.classes, emission, flux, sampler);
+    if (rules.log) rules.log->arrive(PathLog::Kind::emission, p.ray.o, 0, flux).light = emission.light;
+    if (p.state == 0) {
+        fate.ended = double(luminance(flux));
+        if (rules.log) rules.log->end("no such path is wanted");
+        return fate;
+    }
+    SurfacePoint points[2]; // in turns: where it is, and the surface that it left
+    for (bool onward = true; onward;) {
+        const SurfacePoint* const from = p.depth > 0 ? &points[(p.depth - 1) % 2] : nullptr;
+        const Hit hit = work.scene.intersect(p.ray);
         ++fate.rays;
         if constexpr (requires(const Flight& f) { visitor.flight(f); })
-            visitor.flight(Flight{ray, from, hit ? hit.t : ray.tfar, state, flux, visible});
-        if (!hit) {
-            if (rules.log) logSky(*rules.log, scene, ray, flux);
-            fate.escaped += carried;
-            return fate;
-        }
-        at = scene.point(hit, ray);
-        flux *= segmentTransmittance(scene, from, ray.d, &at, hit.t);
-        change(fate.absorbed, flux);
-        if (rules.log) logSurface(*rules.log, at, at.ns, hit.t, flux);
-        if (!classes.continues(state)) return leave(fate.ended, depth >= classes.maxDepth() ? "depth limit" : "no longer path is wanted");
-        const Bsdf bsdf = shade(scene, at, -ray.d, {}, lambda, Transport::importance);
-        const Onward onward =
-            visitor.arrive(Arrival{at, from, ray, hit.t, state, flux, depth, deltas, emission.kind}, bsdf, Sampler(sampler));
-        sampler.skip(2);
-        if (onward == Onward::stop) return leave(fate.ended, "not followed");
-        const PickAndPoint u = sampler.get3D();
-        const auto sample = bsdf.sample(min(float(u.pick), oneMinusEpsilon), u.u);
-        if (!sample) return leave(fate.absorbed, "absorbed");
-        change(fate.absorbed, flux * sample->weight);
-        if (onward == Onward::delta && !sample->delta) return leave(fate.ended, "not followed");
-        const Turn next = turn(classes, state, bsdf, *sample, sampler);
-        if (!next.state || black(next.weight)) return leave(fate.ended, next.state ? "absorbed" : "no such path is wanted");
-        throughput *= next.weight;
-        float boost = 1;
-        if (depth >= rules.rouletteDepth) {
-            const float survive = min(maxComponent(throughput), 0.95f);
-            if (!(sampler.get1D() < survive)) return leave(fate.ended, "roulette");
-            boost = 1 / survive;
-        } else {
-            sampler.skip(1);
-        }
-        throughput *= boost;
-        flux *= next.weight * boost;
-        change(fate.ended, flux);
-        state = next.state;
-        visible = visible || !sample->delta;
-        deltas = sample->delta ? deltas + 1 : 0;
-        previous = at;
-        ray = at.towards(sample->wi);
-        if (rules.log) rules.log->scatter(next.event, next.weight * boost, sample->pdfW, sample->delta);
+            visitor.flight(Flight{p.ray, from, hit ? hit.t : p.ray.tfar, p.state, p.flux, p.visible});
+        onward = scatterParticle(work, p, hit, from, points[p.depth % 2], rules, visitor, fate);
     }
-    return leave(fate.ended, "no such path is wanted");
+    return fate;
 }
 
 } // namespace chiaro

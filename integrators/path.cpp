@@ -2,6 +2,7 @@
 // Guibas 1995), and Russian roulette (Arvo and Kirk 1990).
 #include "core/render/fault.h"
 #include "integrators/entries.h"
+#include "integrators/path_wide.h"
 #include "integrators/transport.h"
 
 namespace chiaro {
@@ -12,21 +13,31 @@ constexpr OptionSpec specs[] = {
     {"nee", OptionType::boolean, "on", 0, 0, "", "next-event estimation: sample a light at every vertex"},
     {"mis", OptionType::boolean, "on", 0, 0, "",
      "weigh light and BSDF samples together; off: light samples alone, for lights that can be sampled"},
+    {"wide", OptionType::boolean, "on", 0, 0, "", "follow sixteen paths at a time in SIMD lanes; off: one by one, the readable reference"},
+    {"stream", OptionType::integer, "512", 16, PathStream::most, "",
+     "paths that a thread has under way in lanes; the picture does not depend on it"},
 };
 
 class Path final : public CameraIntegrator {
 public:
-    explicit Path(const Options& o) : rouletteDepth_(uint32_t(o.integer("rr-depth"))), nee_(o.boolean("nee")), mis_(o.boolean("mis")) {}
+    explicit Path(const Options& o)
+        : settings_{uint32_t(o.integer("rr-depth")), o.boolean("nee"), o.boolean("mis")}, lanes_(o.boolean("wide")),
+          stream_(uint32_t(o.integer("stream"))) {}
+    void prepare(const Job& job) override {
+        if (lanes_) wide_ = WidePaths::make(job, settings_, stream_);
+    }
+    using CameraIntegrator::radianceWide;
     void radiance(const Job&, PathStart&, Outputs&) const noexcept override;
+    void radianceWide(const Job& job, StartSource& starts, SampleLanes& samples) const noexcept override {
+        wide_->run(job, starts, samples);
+    }
+    bool streams(const Job& job, const FilmLayout& layout) const noexcept override { return wide_ && WidePaths::able(job, layout); }
 
 private:
-    // Share of an emitter found by a BSDF sample of density pdfW.
-    float hitWeight(bool delta, float pdfW, float lightPdfW) const noexcept {
-        if ((delta && !fault(Fault::deltaWeighted)) || !nee_ || lightPdfW == 0 || fault(Fault::emissionTwice)) return 1;
-        return mis_ ? powerHeuristic(pdfW, lightPdfW) : 0.f;
-    }
-    uint32_t rouletteDepth_;
-    bool nee_, mis_;
+    const PathSettings settings_;
+    const bool lanes_;
+    const uint32_t stream_;
+    std::unique_ptr<const WidePaths> wide_; // null: one by one
 };
 
 // For the log: why nothing follows.
@@ -54,7 +65,8 @@ void Path::radiance(const Job& job, PathStart& start, Outputs& out) const noexce
         if (!hit) {
             const LightHit sky = scene.lights().miss(ray, from);
             if (out.log) logSky(*out.log, scene, ray, throughput);
-            if (sky) addFound(out, classes.reached(state, sky.kind), throughput * sky.radiance * hitWeight(delta, pdfW, sky.pdfW));
+            if (sky)
+                addFound(out, classes.reached(state, sky.kind), throughput * sky.radiance * settings_.hitWeight(delta, pdfW, sky.pdfW));
             if (depth == 0) out.aov(Aov::albedo, {clamp01(sky.radiance[0]), clamp01(sky.radiance[1]), clamp01(sky.radiance[2])});
             return;
         }
@@ -62,7 +74,7 @@ void Path::radiance(const Job& job, PathStart& start, Outputs& out) const noexce
         throughput *= segmentTransmittance(scene, from, ray.d, &at, hit.t);
         if (out.log) logSurface(*out.log, at, at.ns, hit.t, throughput);
         if (const LightHit light = scene.lights().hit(at, -ray.d, from))
-            addFound(out, classes.reached(state, light.kind), throughput * light.radiance * hitWeight(delta, pdfW, light.pdfW));
+            addFound(out, classes.reached(state, light.kind), throughput * light.radiance * settings_.hitWeight(delta, pdfW, light.pdfW));
         if (!classes.continues(state) && depth > 0) return ended(out, unwanted(classes, depth));
         const Bsdf bsdf = shade(scene, at, -ray.d, start.footprint, start.lambda);
         if (depth == 0) {
@@ -72,10 +84,10 @@ void Path::radiance(const Job& job, PathStart& start, Outputs& out) const noexce
         if (!classes.continues(state)) return ended(out, unwanted(classes, depth));
         if (out.log) (*out.log)[out.log->here].normal = bsdf.normal();
         const PickAndPoint uLight = sampler.get3D(), uBsdf = sampler.get3D();
-        if (nee_ && bsdf.smooth() && !(fault(Fault::bounceDropped) && depth == 1)) {
+        if (settings_.nee && bsdf.smooth() && !(fault(Fault::bounceDropped) && depth == 1)) {
             const uint32_t rays = out.rays;
-            addDirect(job, at, bsdf, state, throughput, scene.lights().sampleTowards(at, uLight.pick, uLight.u), mis_ ? Mis::on : Mis::off,
-                      out);
+            addDirect(job, at, bsdf, state, throughput, scene.lights().sampleTowards(at, uLight.pick, uLight.u),
+                      settings_.mis ? Mis::on : Mis::off, out);
             if (out.rays > rays) out.traced(0, depth + 1);
         }
         const auto sample = bsdf.sample(min(float(uBsdf.pick), oneMinusEpsilon), uBsdf.u);
@@ -84,7 +96,7 @@ void Path::radiance(const Job& job, PathStart& start, Outputs& out) const noexce
         if (!next.state || black(next.weight)) return ended(out, next.state ? "absorbed" : "no such path is wanted");
         throughput *= next.weight;
         float boost = 1;
-        if (depth >= rouletteDepth_) {
+        if (depth >= settings_.rouletteDepth) {
             const float survive = min(maxComponent(throughput), 0.95f);
             if (!(sampler.get1D() < survive)) return ended(out, "roulette");
             boost = fault(Fault::rouletteUnweighted) ? 1 : 1 / survive;

@@ -1,5 +1,6 @@
 #include "integrators/photon_store.h"
 #include "core/render/archive.h"
+#include "integrators/octahedral.h"
 #include <array>
 #include <bit>
 #include <fmt/format.h>
@@ -9,26 +10,6 @@
 
 namespace chiaro {
 namespace {
-
-// The sphere onto the square [-1, 1]^2 by way of the octahedron, and back.
-Point2 toOctahedron(const Vec3& v) noexcept {
-    const float s = 1 / (std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z)), x = v.x * s, y = v.y * s;
-    if (v.z >= 0) return {x, y};
-    return {std::copysign(1 - std::fabs(y), x), std::copysign(1 - std::fabs(x), y)};
-}
-Vec3 fromOctahedron(Point2 e) noexcept {
-    Vec3 v{e.x, e.y, 1 - std::fabs(e.x) - std::fabs(e.y)};
-    if (v.z < 0) {
-        const float x = v.x;
-        v.x = std::copysign(1 - std::fabs(v.y), x);
-        v.y = std::copysign(1 - std::fabs(x), v.y);
-    }
-    return normalize(v);
-}
-template <uint32_t steps> uint32_t code(float x) noexcept {
-    return uint32_t(std::clamp((x + 1) * (steps / 2.f) + 0.5f, 0.f, float(steps)));
-}
-template <uint32_t steps> float decode(uint32_t c) noexcept { return float(std::min(c, steps)) * (2.f / steps) - 1; }
 
 constexpr uint32_t partitionBits = 13; // a partition has at least so many buckets: their counters stay in the cache of a core
 constexpr uint32_t mostPartitions = 512;
@@ -51,18 +32,16 @@ constexpr std::size_t mostPhotons = 0x7fffffff;
 
 } // namespace
 
-uint32_t packDirection(const Vec3& v) noexcept {
-    const Point2 e = toOctahedron(v);
-    return code<65534>(e.x) | code<65534>(e.y) << 16;
+uint32_t packDirection(const Vec3& v) noexcept { return octahedralCode<fineSteps, 16>(v); }
+Vec3 unpackDirection(uint32_t c) noexcept {
+    return fromOctahedron({octahedralPlace<fineSteps>(c & 0xffff), octahedralPlace<fineSteps>(c >> 16)});
 }
-Vec3 unpackDirection(uint32_t c) noexcept { return fromOctahedron({decode<65534>(c & 0xffff), decode<65534>(c >> 16)}); }
-uint16_t packNormal(const Vec3& v) noexcept {
-    const Point2 e = toOctahedron(v);
-    return uint16_t(code<254>(e.x) | code<254>(e.y) << 8);
+uint16_t packNormal(const Vec3& v) noexcept { return uint16_t(octahedralCode<coarseSteps, 8>(v)); }
+Vec3 unpackNormal(uint16_t c) noexcept {
+    return fromOctahedron({octahedralPlace<coarseSteps>(c & 0xffu), octahedralPlace<coarseSteps>(uint32_t(c) >> 8)});
 }
-Vec3 unpackNormal(uint16_t c) noexcept { return fromOctahedron({decode<254>(c & 0xffu), decode<254>(uint32_t(c) >> 8)}); }
 
-PhotonStore::PhotonStore(const Executor& run, std::vector<Photon> photons, float cell) : photons_(std::move(photons)) { sort(run, cell); }
+PhotonStore::PhotonStore(const Executor& run, PhotonList photons, float cell) : photons_(std::move(photons)) { sort(run, cell); }
 
 std::size_t PhotonStore::bytes() const noexcept { return photons_.size() * sizeof(Photon) + begin_.size() * sizeof(uint32_t); }
 
@@ -114,8 +93,7 @@ void PhotonStore::sort(const Executor& run, float cell) {
     };
     run.chunks(blocks, count, nullptr);
     placeBlocks(places, blocks, partitions, begin);
-    const auto memory = std::make_unique_for_overwrite<std::byte[]>(n * sizeof(Photon)); // untouched: its pages come in parallel
-    Photon* const parted = reinterpret_cast<Photon*>(memory.get());
+    PhotonList parted(n); // untouched: its pages come in parallel
     const auto part = [&](uint64_t b) {
         for (std::size_t i = blockBegin(b, n, blocks); i < blockBegin(b + 1, n, blocks); ++i)
             parted[places[b * partitions + (grid_.bucket(photons_[i].p) >> shift)]++] = photons_[i];
@@ -138,7 +116,7 @@ void PhotonStore::sort(const Executor& run, float cell) {
 
 void PhotonStore::save(Writer& to) const {
     to.value(cell_);
-    to.array(photons_);
+    to.array(photons());
 }
 
 void PhotonStore::load(const Executor& run, Reader& from, const PathClasses& classes) {
@@ -149,7 +127,7 @@ void PhotonStore::load(const Executor& run, Reader& from, const PathClasses& cla
     for (const Photon& photon : photons)
         if (!finite(photon.p) || !finite(photon.flux) || photon.state >= classes.states())
             from.refuse("it has a photon that is nowhere, of no finite flux or of no known path; make it again");
-    photons_ = std::move(photons);
+    photons_.assign(photons.begin(), photons.end());
     sort(run, cell);
 }
 

@@ -4,6 +4,7 @@
 // function of the photons alone, not of threads. 32 bytes each (Jensen, Realistic Image Synthesis Using Photon Mapping, 2001, has 20).
 #pragma once
 #include "core/render/integrator.h"
+#include "integrators/bulk_allocator.h"
 #include <algorithm>
 #include <functional>
 
@@ -17,6 +18,7 @@ struct Photon {
     uint16_t normal = 0; // the geometric normal of its surface on the side that it came to: octahedral, 8 bits a coordinate
 };
 static_assert(sizeof(Photon) == 32);
+using PhotonList = std::vector<Photon, BulkAllocator<Photon>>; // grown without a value: whatever was there
 
 // Octahedral codes (Cigolle et al., A Survey of Efficient Representations for Independent Unit Vectors, JCGT 2014): within 1e-4 and 2e-2
 // radians.
@@ -30,7 +32,7 @@ public:
     PhotonStore() = default;
     // cell: side of a grid cell in metres; a radius of the searches is served best by a cell of its size. Positions must be finite.
     // Takes as much memory again while it sorts. Throws Error(Exit::resources) beyond 2^31 - 1 photons.
-    PhotonStore(const Executor&, std::vector<Photon>, float cell);
+    PhotonStore(const Executor&, PhotonList, float cell);
     std::size_t size() const noexcept { return photons_.size(); }
     std::span<const Photon> photons() const noexcept { return photons_; } // sorted
     float cell() const noexcept { return cell_; }
@@ -82,7 +84,7 @@ private:
     Grid gridOver(const Executor&, float cell) const;
     void sort(const Executor&, float cell);
 
-    std::vector<Photon> photons_;
+    PhotonList photons_;
     std::vector<uint32_t> begin_; // of each bucket, and the end
     Grid grid_;
     float cell_ = 1;

@@ -35,7 +35,7 @@ struct PhotonStatistics {
 };
 
 struct TracedPhotons {
-    std::vector<Photon> photons;
+    PhotonList photons;
     PhotonStatistics statistics;
 };
 // Throws Error(Exit::resources) early where the photons, while they are sorted, would need more than the work's memory limit. A stop of the

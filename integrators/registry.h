@@ -11,6 +11,7 @@ struct Traits {
     bool lightTransport = true; // makes a picture of light; false: a debug view
     bool unbiased = true;
     bool splats = false;
+    bool mergeable = true;      // an iteration does not depend on earlier ones: ranges of samples can be rendered apart
     bool deterministic = false; // the same picture for every seed and any number of samples at the same positions
     std::string field;          // how it shows the diffuse field of a pre-pass, "S* E": the events between that surface and the eye;
                                 // empty: it takes none

@@ -138,6 +138,7 @@ void Sppm::load(const Job& job, Reader& from) {
 Traits traits(const Options& o) {
     Traits t;
     t.unbiased = false;
+    t.mergeable = o.text("schedule") != "pixel";
     if (o.real("sharp") > 0) t.misses = "Ld S+ G .* E"; // caustics of a delta light on a lobe that photons do not show in
     t.convergesOver = "shrink";
     t.convergencePowers = {1, 2}; // edges, and the illuminance's curvature

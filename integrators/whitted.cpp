@@ -68,6 +68,9 @@ public:
                 "a smaller --max-depth, a larger min-weight or max-nodes");
     }
 
+    void save(Writer& to) const override { adaptive_.save(to); }
+    void load(const Job& job, Reader& from) override { adaptive_.load(job.view.crop, from); }
+
 private:
     WhittedSettings settings_;
     std::vector<Point2> pattern_;

@@ -1,4 +1,5 @@
 #include "integrators/whitted_adaptive.h"
+#include "core/render/archive.h"
 #include <algorithm>
 
 namespace chiaro {
@@ -53,8 +54,26 @@ void AdaptivePasses::render(const Pass& pass, const Film& film, uint32_t samples
     if (pass.begin < first) some({pass.begin, std::min(pass.end, first), pass.active});
     // Stopped before every pixel has its first samples: the contrast is not known yet.
     if (pass.end <= first || !film.complete(first)) return;
+    crop_ = film.layout().crop;
     if (!mask_) mask_ = pass.begin > first ? continuedMask(film, first) : contrastMask(film, contrast);
     some({std::max(pass.begin, first), pass.end, &*mask_});
+}
+
+void AdaptivePasses::save(Writer& to) const {
+    std::vector<uint8_t> active;
+    if (mask_)
+        for (uint32_t y = crop_.y0; y < crop_.y1; ++y)
+            for (uint32_t x = crop_.x0; x < crop_.x1; ++x) active.push_back(mask_->active({x, y}));
+    to.array(active);
+}
+
+void AdaptivePasses::load(const Rect& crop, Reader& from) {
+    const std::vector<uint8_t> active = from.array<uint8_t>();
+    mask_.reset();
+    crop_ = crop;
+    if (active.empty()) return;
+    if (active.size() != crop.area()) from.refuse("its mask is not that of this picture; render it from the beginning");
+    mask_.emplace(crop, std::vector<bool>(active.begin(), active.end()));
 }
 
 } // namespace chiaro

@@ -14,9 +14,13 @@ public:
     // The part of the pass that is due, by `some`, with the mask from the first samples on.
     void render(const Pass&, const Film&, uint32_t samples, float contrast, FunctionRef<void(const Pass&)> some);
     const std::optional<SampleMask>& mask() const noexcept { return mask_; }
+    // A film on which the refining has begun no longer tells what it was decided from.
+    void save(Writer&) const;
+    void load(const Rect& crop, Reader&); // of the film
 
 private:
     std::optional<SampleMask> mask_;
+    Rect crop_; // of the mask
 };
 
 // The pixels beside which, or within which, any channel differs by (max - min) / (max + min) > contrast.

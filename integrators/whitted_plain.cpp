@@ -2,35 +2,11 @@
 #include "core/math/wide_isa.h"
 #include "core/render/fault.h"
 #include "integrators/transport.h"
-#include "materials/surface_parameters.h"
 
 namespace chiaro {
 namespace {
 
 constexpr std::size_t width = PlainLanes::width;
-
-bool textured(const MaterialDesc& m) noexcept {
-    for (const TextureSlot* slot : {&m.baseColorTexture, &m.metallicRoughnessTexture, &m.normalTexture, &m.specularTexture,
-                                    &m.specularColorTexture, &m.transmissionTexture})
-        if (slot->texture >= 0) return true;
-    return false;
-}
-
-// The closure itself is asked, once: one lobe that answers the same in all directions and sends on no ray.
-PlainMaterial plainMaterial(const Scene& scene, uint32_t id) {
-    PlainMaterial plain;
-    SurfacePoint at;
-    at.material = id;
-    at.ng = at.ns = {0, 0, 1};
-    const BsdfParameters p = surfaceParameters(scene, at);
-    plain.plain = !textured(scene.material(id)) && p.metallic <= 0 && p.transmission <= 0 && p.specular <= 0;
-    const Bsdf bsdf(p, at.ng, at.ns, at.ng);
-    plain.f = bsdf.evaluate(at.ng).f();
-    plain.smooth = bsdf.smooth() && !black(plain.f);
-    plain.albedo = bsdf.albedo();
-    plain.diffuseAlbedo = bsdf.diffuseAlbedo();
-    return plain;
-}
 
 // What the lamp brings to each lane and the shadow ray that asks for it. Every operation is that of the general way.
 template <bool physical, bool flat>
@@ -78,10 +54,8 @@ CHIARO_TARGET_AVX512 void avx512(const MeshLamp& lamp, const Spectrum& intensity
 } // namespace
 
 std::vector<PlainMaterial> plainMaterials(const Scene& scene, const WhittedSettings& settings) {
-    std::vector<PlainMaterial> all;
-    if (settings.area == WhittedSettings::Area::sample || settings.rayFalloff) return all;
-    for (uint32_t i = 0; i < scene.materials().size(); ++i) all.push_back(plainMaterial(scene, i));
-    return all;
+    if (settings.area == WhittedSettings::Area::sample || settings.rayFalloff) return {};
+    return plainMaterials(scene);
 }
 
 const WhittedPlain::Known& WhittedPlain::known(const Hit& hit) noexcept {

@@ -5,17 +5,13 @@
 #include "core/render/integrator.h"
 #include "core/scene/flat_triangle.h"
 #include "core/scene/ray_packet.h"
+#include "integrators/plain_material.h"
 #include "integrators/whitted_settings.h"
 #include <span>
 #include <vector>
 
 namespace chiaro {
 
-// What the closure of a plain material answers, whatever the directions; smooth false: black.
-struct PlainMaterial {
-    bool plain = false, smooth = false;
-    Spectrum f{0}, albedo{0}, diffuseAlbedo{0}; // f: 1/sr
-};
 // By material. Where the settings ask for more than one shadow ray a lamp, none is plain.
 std::vector<PlainMaterial> plainMaterials(const Scene&, const WhittedSettings&);
 

@@ -72,6 +72,7 @@ Traits WhittedSettings::traits() const {
     Traits t;
     const bool sampled = area == Area::sample, fades = attenuation.physical && shadows != Shadows::none;
     const bool refractive = transparency == Transparency::refractive;
+    t.mergeable = antiAliasing != AntiAliasing::adaptive;
     const bool own = refractive && fresnel == Fresnel::exact; // mirrors and refraction are the materials' own
     t.field = own ? "S* E" : "E";
     t.deterministic = !sampled && (antiAliasing == AntiAliasing::filter || antiAliasing == AntiAliasing::centre ||

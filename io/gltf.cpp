@@ -40,19 +40,37 @@ void parseModel(GltfFile& file) {
             file.fail(fmt::format("/{}", key), "has an entry that tinygltf cannot read. Export the file again.");
 }
 
+void countPlaced(Conversion& to) {
+    to.sizes.instances = to.scene.instances.size();
+    std::vector<uint64_t> emissive(to.scene.meshes.size());
+    for (size_t i = 0; i < emissive.size(); ++i)
+        for (const PrimitiveDesc& p : to.scene.meshes[i].primitives) {
+            if (p.material < 0) continue;
+            const MaterialDesc& m = to.scene.materials[size_t(p.material)];
+            if (!black(m.unlit ? m.baseColor : m.emission)) emissive[i] += p.indices.size() / 3;
+        }
+    for (const InstanceDesc& i : to.scene.instances) to.sizes.emissive += emissive[size_t(i.mesh)];
+}
+
 SceneDesc convert(const GltfFile& file, const GltfOptions& options, GltfContents* found) {
     SceneDesc scene;
     scene.name = file.path.stem().string();
     scene.shutter = options.shutter;
     const Animations animations(file, options.animation);
     if (found) found->animations = animations.info();
-    Conversion to{file, options, animations, scene, {}, {}, {}, {}, {}, {}};
+    Conversion to{file, options, animations, scene, {}, {}, {}, {}, {}};
     to.meshes.assign(list(file, "meshes").size(), -1);
     to.materials.assign(list(file, "materials").size(), -1);
     to.textures.assign(list(file, "textures").size(), -1);
     to.images.assign(list(file, "images").size(), -1);
     for (const Bytes& buffer : file.buffers) to.bufferBytes += buffer.size();
+    to.sizes.fileBytes = file.content.size();
+    for (const auto& loaded : file.loaded) to.sizes.fileBytes += loaded.size();
     convertNodes(to);
+    countPlaced(to);
+    measureImages(to);
+    if (options.admit) options.admit(to.sizes);
+    decodeImages(to);
     if (found) found->origin = std::move(to.origin);
     return scene;
 }
@@ -65,6 +83,9 @@ SceneDesc readGltf(const std::filesystem::path& path, const GltfOptions& options
     file.name = path.string();
     file.notes = &notes;
     try {
+        std::error_code absent; // reading says so
+        if (const uintmax_t bytes = std::filesystem::file_size(path, absent); options.admit && !absent)
+            options.admit({.fileBytes = bytes});
         openContainer(file);
         checkSchema(file);
         checkVersion(file);

@@ -5,20 +5,28 @@
 #pragma once
 #include "core/render/error.h"
 #include "core/scene/desc.h"
+#include "core/scene/scene_bytes.h"
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
 
 namespace chiaro {
 
+class Executor;
+
 enum class MissingTexture { error, grey };
 struct GltfOptions {
     MissingTexture missingTexture =
-        MissingTexture::error;  // grey: an absent or undecodable picture becomes one mid-grey texel, with a warning
-    double frameTime = 0;       // of the animation, seconds
-    Interval shutter = {};      // relative to it; an instant: nothing moves, everything stands where it is at the opening
-    std::string animation = {}; // its name or number, "all" together (the first that names a target counts), "none"; empty: the first
+        MissingTexture::error;     // grey: an absent or undecodable picture becomes one mid-grey texel, with a warning
+    double frameTime = 0;          // of the animation, seconds
+    Interval shutter = {};         // relative to it; an instant: nothing moves, everything stands where it is at the opening
+    std::string animation = {};    // its name or number, "all" together (the first that names a target counts), "none"; empty: the first
+    const Executor* run = nullptr; // meshes and pictures are read on its threads; the description is the same without
+    // Told what the scene will take: the file before it is read, the meshes before any of them is, then all with pictures, lights and
+    // instances before any picture is decoded. May throw.
+    std::function<void(const SceneSizes&)> admit = {};
 };
 
 // What people are told about an animation.

@@ -1,4 +1,5 @@
 #include "io/gltf_file.h"
+#include <algorithm>
 #include <cstring>
 #include <fmt/format.h>
 #include <map>
@@ -129,23 +130,34 @@ void checkAccessors(GltfFile& file) {
         file.accessors.push_back(checkAccessor(file, fmt::format("/accessors/{}", i), accessors[i]));
 }
 
-std::vector<float> readFloats(const GltfFile& file, size_t accessor) {
+void readFloats(const GltfFile& file, size_t accessor, std::span<float> out) {
     const Accessor& a = file.accessors[accessor];
     const size_t width = size_t(a.width), step = componentSize(a.component);
-    std::vector<float> out(a.count * width);
     const auto store = [&](size_t element, const std::byte* from) {
         for (size_t k = 0; k < width; ++k) out[element * width + k] = loadFloat(from + k * step, a.component, a.normalized);
     };
-    if (!a.data.empty())
+    if (a.data.empty())
+        std::fill(out.begin(), out.end(), 0.f);
+    else if (a.component == 5126 && a.stride == width * sizeof(float)) // as they are kept
+        std::memcpy(out.data(), a.data.data(), out.size_bytes());
+    else
         for (size_t i = 0; i < a.count; ++i) store(i, a.data.data() + i * a.stride);
     applySparse(file, accessor, store);
+}
+
+std::vector<float> readFloats(const GltfFile& file, size_t accessor) {
+    const Accessor& a = file.accessors[accessor];
+    std::vector<float> out(a.count * size_t(a.width));
+    readFloats(file, accessor, out);
     return out;
 }
 
 std::vector<uint32_t> readIndices(const GltfFile& file, size_t accessor) {
     const Accessor& a = file.accessors[accessor];
     std::vector<uint32_t> out(a.count);
-    if (!a.data.empty())
+    if (!a.data.empty() && a.component == 5125 && a.stride == sizeof(uint32_t))
+        std::memcpy(out.data(), a.data.data(), a.count * sizeof(uint32_t));
+    else if (!a.data.empty())
         for (size_t i = 0; i < a.count; ++i) out[i] = loadIndex(a.data.data() + i * a.stride, a.component);
     applySparse(file, accessor, [&](size_t element, const std::byte* from) { out[element] = loadIndex(from, a.component); });
     return out;

@@ -2,7 +2,7 @@
 // index points to something, every accessor lies inside its buffer, the node graph is a forest. Steps, each in a file of its own:
 // gltf_container (bytes -> JSON + binary chunk), gltf_schema (types, numbers, references), gltf_uri + gltf_buffers (bytes of the buffers),
 // gltf_accessor (ranges, then values), gltf_animation (channels), gltf_nodes (graph, placement), gltf_path (motion), gltf_mesh,
-// gltf_material, gltf_images (conversion), gltf (the order).
+// gltf_primitive, gltf_material, gltf_images (conversion), gltf (the order).
 #pragma once
 #include "io/file_bytes.h"
 #include "io/gltf.h"
@@ -76,10 +76,18 @@ Bytes bufferView(const GltfFile& file, size_t view); // checked
 // accessor
 void checkAccessors(GltfFile& file);                                  // fills accessors
 std::vector<float> readFloats(const GltfFile& file, size_t accessor); // count x width; normalized integers mapped as glTF 3.6.2.2 says
+void readFloats(const GltfFile& file, size_t accessor, std::span<float> out);
 std::vector<uint32_t> readIndices(const GltfFile& file, size_t accessor);
 // nodes
+struct ReadPrimitive;                  // io/gltf_primitive.h
 void checkNodes(const GltfFile& file); // cycles, two parents, depth, matrices
 class Animations;                      // io/gltf_animation.h
+// A primitive out of its accessors (io/gltf_primitive.h).
+struct ReadPrimitive {
+    PrimitiveDesc desc;                // without its material
+    std::vector<uint32_t> kept;        // numbers in the file of the vertices that were kept; empty: all
+    std::vector<std::string> warnings; // for GltfFile::warn
+};
 // What conversion has built so far: glTF index -> index in the description, -1 not yet used.
 struct Conversion {
     const GltfFile& file;
@@ -87,15 +95,22 @@ struct Conversion {
     const Animations& animations;
     SceneDesc& scene;
     std::vector<int> meshes, materials, textures, images;
-    std::vector<int> missing;  // images of the description that are stand-ins
     std::vector<double> radii; // of the description's meshes about their origins; -1: not yet known
     GltfOrigin origin = {};
     bool uneven = false; // a path was too wild for the steps that there are
-    uint64_t bufferBytes = 0, verticesRead = 0, vertices = 0, indices = 0, imageBytes = 0;
+    uint64_t bufferBytes = 0, verticesRead = 0, vertices = 0, indices = 0;
+    SceneSizes sizes = {};
+    std::vector<int> sameAs = {};                        // of each mesh: the first that is the same
+    std::map<int, std::vector<ReadPrimitive>> read = {}; // meshes whose primitives wait to be converted
+    std::vector<size_t> imagesUsed = {};                 // of the file, in the order of the description
 };
-void convertNodes(Conversion& to);
+void convertNodes(Conversion& to); // after readMeshes; pictures are noted, not yet read
+// The primitives of all meshes that these nodes show, side by side.
+void readMeshes(Conversion& to, const std::vector<size_t>& nodes);
 int convertMesh(Conversion& to, int mesh);
 int convertMaterial(Conversion& to, int material);
-int convertImage(Conversion& to, int image); // decoded once
+int convertImage(Conversion& to, int image);
+void measureImages(Conversion& to); // by their headers
+void decodeImages(Conversion& to);  // those that were noted, side by side
 
 } // namespace chiaro::gltf

@@ -1,5 +1,8 @@
+#include "core/render/in_parallel.h"
 #include "io/gltf_file.h"
 #include "io/image_read.h"
+#include <cmath>
+#include <cstring>
 #include <fmt/format.h>
 
 namespace chiaro::gltf {
@@ -8,51 +11,94 @@ using nlohmann::json;
 
 namespace {
 
-// One mid-grey texel in the place of a picture that is not to be had, or the error that says so.
-ImageDesc standIn(Conversion& to, const std::string& place, const std::string& what) {
-    if (to.options.missingTexture == MissingTexture::error) to.file.fail(place, what + ". Fix the path or pass --missing-texture grey");
-    to.file.warn(fmt::format("{} {}; grey stands in.", place, what));
-    return {"missing", 1, 1, 3, PixelType::u8, std::vector<std::byte>(3, std::byte(128))};
-}
-
-ImageDesc load(Conversion& to, const std::string& place, const json& image, bool& missing) {
-    const GltfFile& file = to.file;
+// A picture as the file names it: where its bytes are, or why they are not to be had.
+struct Source {
     std::vector<std::byte> held;
     Bytes bytes;
-    std::string at = place, name = image.value("name", std::string()), label;
-    missing = true;
+    std::string place, label, name;
+    std::string absent; // "tex.png" not found
+};
+
+Source sourceOf(const GltfFile& file, size_t number) {
+    const json& image = list(file, "images")[number];
+    Source s;
+    s.place = fmt::format("/images/{}", number);
+    s.name = image.value("name", std::string());
     if (image.contains("uri")) {
         const std::string& uri = image["uri"].get_ref<const std::string&>();
-        at += "/uri";
+        s.place += "/uri";
         if (isDataUri(uri)) {
             auto decoded = decodeDataUri(uri);
-            if (!decoded) return standIn(to, at, "is a malformed data: URI");
-            held = std::move(*decoded);
-            label = "(data)";
+            if (!decoded) s.absent = "is a malformed data: URI";
+            if (decoded) s.held = std::move(*decoded);
+            s.label = "(data)";
         } else {
-            const auto path = resolveUri(file, at, uri);
-            label = shown(uri);
-            if (path.empty()) return standIn(to, at, label + " not found");
-            held = readBytes(path);
-            if (name.empty()) name = uri;
+            const auto path = resolveUri(file, s.place, uri);
+            s.label = shown(uri);
+            if (path.empty()) s.absent = s.label + " not found";
+            if (!path.empty()) s.held = readBytes(path);
+            if (s.name.empty()) s.name = uri;
         }
-        bytes = held;
+        s.bytes = s.held;
     } else if (image.contains("bufferView")) {
-        at += "/bufferView";
-        label = name.empty() ? "(embedded)" : shown(name);
-        bytes = bufferView(file, image["bufferView"]);
+        s.place += "/bufferView";
+        s.label = s.name.empty() ? "(embedded)" : shown(s.name);
+        s.bytes = bufferView(file, image["bufferView"]);
     } else {
-        return standIn(to, at, "has neither \"uri\" nor \"bufferView\"");
+        s.absent = "has neither \"uri\" nor \"bufferView\"";
     }
+    return s;
+}
+
+// "label: cannot be decoded (why). advice" -> "label cannot be decoded (why)"
+std::string reason(const Source& source, const Error& e) {
+    const std::string why = std::string(e.what()).substr(printable(source.label).size() + 2);
+    return fmt::format("{} {}", source.label, why.substr(0, why.rfind("). ") + 1));
+}
+
+struct Decoded {
+    std::string absent; // why grey stands in
+    std::string place;
+    size_t mended = 0;
+};
+
+// A texel that is no number would make every sample that looks at it none. How many there were.
+size_t mendNumbers(ImageDesc& image) {
+    if (image.type != PixelType::f32) return 0;
+    size_t bad = 0;
+    for (size_t at = 0; at < image.pixels.size(); at += sizeof(float)) {
+        float v;
+        std::memcpy(&v, &image.pixels[at], sizeof v);
+        if (std::isfinite(v)) continue;
+        std::memset(&image.pixels[at], 0, sizeof v);
+        ++bad;
+    }
+    return bad;
+}
+
+Decoded decodeInto(ImageDesc& image, const Conversion& to, size_t number) {
+    const Source source = sourceOf(to.file, number);
+    std::string absent = source.absent;
+    if (absent.empty()) {
+        try {
+            image = decodeImage(source.bytes, source.label);
+            image.name = source.name;
+            return {{}, source.place, mendNumbers(image)};
+        } catch (const Error& e) { absent = reason(source, e); }
+    }
+    if (to.options.missingTexture == MissingTexture::error)
+        to.file.fail(source.place, absent + ". Fix the path or pass --missing-texture grey");
+    image = {"missing", 1, 1, 3, PixelType::u8, std::vector<std::byte>(3, std::byte(128))};
+    return {absent, source.place, 0};
+}
+
+// Bytes once decoded, by what the picture's own header says; 0 where it says nothing: decoding will tell why.
+uint64_t sizeOf(const Conversion& to, size_t number) {
+    const Source source = sourceOf(to.file, number);
+    if (!source.absent.empty()) return 0;
     try {
-        ImageDesc decoded = decodeImage(bytes, label);
-        decoded.name = name;
-        missing = false;
-        return decoded;
-    } catch (const Error& e) { // "label: cannot be decoded (why). advice"
-        std::string why = std::string(e.what()).substr(printable(label).size() + 2);
-        return standIn(to, at, fmt::format("{} {}", label, why.substr(0, why.rfind("). ") + 1)));
-    }
+        return pictureSize(source.bytes, source.label).bytes;
+    } catch (const Error&) { return 0; }
 }
 
 } // namespace
@@ -60,16 +106,32 @@ ImageDesc load(Conversion& to, const std::string& place, const json& image, bool
 int convertImage(Conversion& to, int image) {
     int& converted = to.images[size_t(image)];
     if (converted >= 0) return converted;
-    bool missing = false;
-    ImageDesc desc = load(to, fmt::format("/images/{}", image), list(to.file, "images")[size_t(image)], missing);
-    to.imageBytes += desc.pixels.size();
-    if (to.imageBytes > maxImageBytes)
-        to.file.fail(fmt::format("/images/{}", image),
-                     fmt::format("brings the textures above {} bytes. Make them smaller.", maxImageBytes));
-    to.scene.images.push_back(std::move(desc));
-    converted = int(to.scene.images.size()) - 1;
-    if (missing) to.missing.push_back(converted);
-    return converted;
+    to.imagesUsed.push_back(size_t(image));
+    return converted = int(to.imagesUsed.size()) - 1;
+}
+
+void measureImages(Conversion& to) {
+    std::vector<uint64_t> bytes(to.imagesUsed.size());
+    inParallel(to.options.run, bytes.size(), [&](uint64_t i) { bytes[i] = sizeOf(to, to.imagesUsed[i]); });
+    for (size_t i = 0; i < bytes.size(); ++i) {
+        to.sizes.textureBytes += bytes[i];
+        if (to.sizes.textureBytes > maxImageBytes)
+            to.file.fail(fmt::format("/images/{}", to.imagesUsed[i]),
+                         fmt::format("brings the textures above {} bytes. Make them smaller.", maxImageBytes));
+    }
+}
+
+void decodeImages(Conversion& to) {
+    std::vector<Decoded> results(to.imagesUsed.size());
+    to.scene.images.resize(results.size());
+    inParallel(to.options.run, results.size(), [&](uint64_t i) { results[i] = decodeInto(to.scene.images[i], to, to.imagesUsed[i]); });
+    for (const Decoded& d : results) {
+        if (!d.absent.empty()) to.file.warn(fmt::format("{} {}; grey stands in.", d.place, d.absent));
+        if (d.mended) to.file.warn(fmt::format("{} holds {} numbers that are not finite; they became 0.", d.place, d.mended));
+    }
+    for (MaterialDesc& m : to.scene.materials) // a grey stand-in is a colour, but no direction
+        if (const int t = m.normalTexture.texture; t >= 0 && !results[size_t(to.scene.textures[size_t(t)].image)].absent.empty())
+            m.normalTexture.texture = -1;
 }
 
 } // namespace chiaro::gltf

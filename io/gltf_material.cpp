@@ -100,10 +100,6 @@ void convertSurface(Conversion& to, const json& from, const Factors& factors, Ma
     m.metallicRoughnessTexture = slot(to, pbr, "metallicRoughnessTexture");
     m.normalTexture = slot(to, from, "normalTexture");
     m.normalScale = float(member(from, "normalTexture").value("scale", 1.0));
-    if (m.normalTexture.texture >= 0) { // a grey stand-in is a colour, but no direction
-        const int image = to.scene.textures[size_t(m.normalTexture.texture)].image;
-        if (std::ranges::find(to.missing, image) != to.missing.end()) m.normalTexture.texture = -1;
-    }
     const std::string mode = from.value("alphaMode", "OPAQUE");
     m.alphaMode = mode == "MASK" ? AlphaMode::mask : mode == "BLEND" ? AlphaMode::blend : AlphaMode::opaque;
     if (mode != "OPAQUE" && m.alphaMode == AlphaMode::opaque)

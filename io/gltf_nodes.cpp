@@ -339,11 +339,24 @@ Path pathOf(const Conversion& to, size_t index, const Path& parent) {
     return Path(std::move(maps));
 }
 
+// Depth first, children in their order.
+std::vector<size_t> inOrder(const GltfFile& file, const std::vector<size_t>& first) {
+    std::vector<size_t> open(first.rbegin(), first.rend()), order;
+    while (!open.empty()) {
+        order.push_back(open.back());
+        open.pop_back();
+        const auto& children = file.model.nodes[order.back()].children;
+        open.insert(open.end(), children.rbegin(), children.rend());
+    }
+    return order;
+}
+
 } // namespace
 
 void convertNodes(Conversion& to) {
-    std::vector<std::pair<size_t, Path>> open;
     const std::vector<size_t> first = roots(to.file);
+    readMeshes(to, inOrder(to.file, first));
+    std::vector<std::pair<size_t, Path>> open;
     for (auto it = first.rbegin(); it != first.rend(); ++it) open.emplace_back(*it, Path());
     while (!open.empty()) { // depth first, children in their order
         const auto [index, parent] = open.back();

@@ -109,29 +109,53 @@ void checkSize(const OIIO::ImageSpec& spec, const std::string& name) {
 
 float srgbToLinear(float v) { return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f); } // IEC 61966-2-1
 
+// A picture whose header was read and found good. The reader holds on to the memory.
+struct Opened {
+    std::string format;
+    OIIO::Filesystem::IOMemReader memory;
+    std::unique_ptr<OIIO::ImageInput> input;
+    OIIO::ImageSpec spec;
+
+    Opened(std::span<const std::byte> bytes, const std::string& name)
+        : format(formatOf(bytes, name)), memory(const_cast<std::byte*>(bytes.data()), bytes.size()) { // reads only, whatever it says
+        if (format == "png") checkPng(bytes, name);
+        input = OIIO::ImageInput::create(format);
+        if (!input) undecodable(name, OIIO::geterror());
+        OIIO::ImageSpec config;
+        config["oiio:UnassociatedAlpha"] = 1;
+        if (!input->set_ioproxy(&memory) || !input->open(name, spec, config)) undecodable(name, input->geterror());
+        checkSize(spec, name);
+    }
+    PixelType type() const {
+        const int base = spec.channelformats.empty() ? int(spec.format.basetype) : int(OIIO::TypeDesc::FLOAT);
+        return base == OIIO::TypeDesc::UINT8 ? PixelType::u8 : base == OIIO::TypeDesc::UINT16 ? PixelType::u16 : PixelType::f32;
+    }
+    size_t numberSize() const { return type() == PixelType::u8 ? 1 : type() == PixelType::u16 ? 2 : 4; }
+};
+
 } // namespace
 
+PictureSize pictureSize(std::span<const std::byte> bytes, const std::string& name) {
+    const Opened from(bytes, name);
+    PictureSize size{from.spec.full_width, from.spec.full_height, int(channelsWanted(from.spec).size())};
+    size.bytes = uint64_t(size.width) * uint64_t(size.height) * uint64_t(size.channels) * from.numberSize();
+    return size;
+}
+PictureSize pictureSize(const std::filesystem::path& file) { return pictureSize(readBytes(file), file.string()); }
+
 ImageDesc decodeImage(std::span<const std::byte> bytes, const std::string& name) {
-    const std::string format = formatOf(bytes, name);
-    if (format == "png") checkPng(bytes, name);
-    OIIO::Filesystem::IOMemReader memory(const_cast<std::byte*>(bytes.data()), bytes.size()); // reads only, whatever its signature says
-    const auto input = OIIO::ImageInput::create(format);
-    if (!input) undecodable(name, OIIO::geterror());
-    OIIO::ImageSpec config, spec;
-    config["oiio:UnassociatedAlpha"] = 1;
-    if (!input->set_ioproxy(&memory) || !input->open(name, spec, config)) undecodable(name, input->geterror());
-    checkSize(spec, name);
+    Opened from(bytes, name);
+    const OIIO::ImageSpec& spec = from.spec;
     ImageDesc image;
     image.name = name;
     image.width = spec.full_width;
     image.height = spec.full_height;
-    const int base = spec.channelformats.empty() ? int(spec.format.basetype) : int(OIIO::TypeDesc::FLOAT);
-    image.type = base == OIIO::TypeDesc::UINT8 ? PixelType::u8 : base == OIIO::TypeDesc::UINT16 ? PixelType::u16 : PixelType::f32;
-    const size_t size = image.type == PixelType::u8 ? 1 : image.type == PixelType::u16 ? 2 : 4;
+    image.type = from.type();
+    const size_t size = from.numberSize();
     const OIIO::TypeDesc as = size == 1 ? OIIO::TypeDesc::UINT8 : size == 2 ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::FLOAT;
     std::vector<std::byte> pixels(size_t(spec.width) * size_t(spec.height) * size_t(spec.nchannels) * size);
-    if (!input->read_image(0, 0, 0, spec.nchannels, as, pixels.data())) undecodable(name, input->geterror());
-    if (format == "webp" && spec.nchannels == 4 && size == 1) dividedByAlpha(pixels);
+    if (!from.input->read_image(0, 0, 0, spec.nchannels, as, pixels.data())) undecodable(name, from.input->geterror());
+    if (from.format == "webp" && spec.nchannels == 4 && size == 1) dividedByAlpha(pixels);
     const std::vector<int> wanted = channelsWanted(spec);
     image.channels = int(wanted.size());
     bool whole = image.channels == spec.nchannels && spec.x == spec.full_x && spec.y == spec.full_y && spec.width == spec.full_width &&

@@ -15,6 +15,14 @@ ImageDesc readImage(const std::filesystem::path& file);
 // From memory; the format is found by content (PNG, JPEG, WebP, TIFF, OpenEXR, HDR, ...). `name` is for messages and ImageDesc::name.
 ImageDesc decodeImage(std::span<const std::byte> bytes, const std::string& name);
 
+// What a picture will be once decoded, by its header alone.
+struct PictureSize {
+    int width = 0, height = 0, channels = 0;
+    uint64_t bytes = 0; // of its pixels
+};
+PictureSize pictureSize(std::span<const std::byte> bytes, const std::string& name);
+PictureSize pictureSize(const std::filesystem::path& file);
+
 // A latitude-longitude picture as linear f32 RGB radiance: EXR and HDR as they are, 8 and 16 bit pictures decoded from sRGB.
 // Texels that are not finite or negative (no radiance is) become 0; one warning says how many.
 EnvironmentDesc readEnvironment(const std::filesystem::path& file, Diagnostics& notes);

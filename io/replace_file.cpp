@@ -19,7 +19,7 @@ std::string reason(int code) {
     return text;
 }
 
-[[noreturn]] void fail(const fs::path& file, int code, const char* after) {
+[[noreturn]] void refuse(const fs::path& file, int code, const char* after) {
     const bool full = code == ENOSPC || code == EDQUOT || code == EFBIG;
     throw Error(full ? Exit::resources : Exit::file, fmt::format("cannot write {} ({}){}", file.string(), reason(code), after));
 }
@@ -31,45 +31,15 @@ fs::path target(const fs::path& file) {
     return fs::is_symlink(file, ignored) && !end.empty() ? end : file;
 }
 
-// A file beside its place that vanishes unless it is renamed into it.
-class Beside {
-public:
-    explicit Beside(const fs::path& file) : place_(target(file)) {
-        name_ = place_.parent_path() / fmt::format(".{}.{}.tmp", place_.filename().string(), getpid());
-        handle_ = open(name_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    }
-    ~Beside() {
-        if (handle_ < 0) return;
-        close(handle_);
-        unlink(name_.c_str());
-    }
-    Beside(const Beside&) = delete;
-    Beside& operator=(const Beside&) = delete;
-    bool ok() const { return handle_ >= 0; }
+fs::path folderOf(const fs::path& place) { return place.has_parent_path() ? place.parent_path() : fs::path("."); }
 
-    bool write(std::span<const std::byte> bytes) {
-        while (!bytes.empty()) {
-            const ssize_t n = ::write(handle_, bytes.data(), bytes.size());
-            if (n < 0 && errno == EINTR) continue;
-            if (n <= 0) return false;
-            bytes = bytes.subspan(std::size_t(n));
-        }
-        return true;
-    }
-    // To the disk first: a rename that outlives its content would be a half file after a power cut.
-    bool commit() {
-        if (fsync(handle_) != 0 && errno != EINVAL && errno != EROFS) return false;
-        struct stat old {};
-        if (stat(place_.c_str(), &old) == 0 && fchmod(handle_, old.st_mode & 07777) != 0 && errno != EPERM) return false;
-        if (rename(name_.c_str(), place_.c_str()) != 0) return false;
-        close(std::exchange(handle_, -1));
-        return true;
-    }
-
-private:
-    fs::path place_, name_;
-    int handle_ = -1;
-};
+// A rename is safe from a power cut when the folder is on the disk too; that some systems cannot do this is no reason to fail.
+void syncFolder(const fs::path& folder) noexcept {
+    const int handle = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (handle < 0) return;
+    fsync(handle);
+    close(handle);
+}
 
 bool isDevice(const fs::path& file) {
     std::error_code ignored;
@@ -79,24 +49,70 @@ bool isDevice(const fs::path& file) {
 
 } // namespace
 
+FileReplacement::FileReplacement(const fs::path& file, Trial) : file_(file), place_(target(file)) {
+    name_ = folderOf(place_) / fmt::format(".{}.{}.tmp", place_.filename().string(), getpid());
+    handle_ = open(folderOf(place_).c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666);
+    if (handle_ >= 0) return;
+    handle_ = open(name_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666); // file systems without nameless files
+    named_ = handle_ >= 0;
+}
+
+FileReplacement::FileReplacement(const fs::path& file) : FileReplacement(file, Trial{}) {
+    if (handle_ < 0) fail(errno);
+}
+
+FileReplacement::~FileReplacement() {
+    if (handle_ >= 0) close(handle_);
+    if (named_) unlink(name_.c_str());
+}
+
+void FileReplacement::fail(int code) const { refuse(file_, code, "; the file that was there is untouched"); }
+
+void FileReplacement::write(std::span<const std::byte> bytes) {
+    while (!bytes.empty()) {
+        const ssize_t n = ::write(handle_, bytes.data(), bytes.size());
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) fail(n == 0 ? ENOSPC : errno);
+        bytes = bytes.subspan(std::size_t(n));
+    }
+}
+
+// To the disk first: a rename that outlives its content would be a half file after a power cut.
+void FileReplacement::commit() {
+    if (fsync(handle_) != 0 && errno != EINVAL && errno != EROFS) fail(errno);
+    struct stat old {};
+    if (stat(place_.c_str(), &old) == 0 && fchmod(handle_, old.st_mode & 07777) != 0 && errno != EPERM) fail(errno);
+    if (!named_) {
+        unlink(name_.c_str()); // of a killed program that had this number
+        const std::string nameless = fmt::format("/proc/self/fd/{}", handle_);
+        if (linkat(AT_FDCWD, nameless.c_str(), AT_FDCWD, name_.c_str(), AT_SYMLINK_FOLLOW) != 0) fail(errno);
+        named_ = true;
+    }
+    if (rename(name_.c_str(), place_.c_str()) != 0) fail(errno);
+    named_ = false;
+    close(std::exchange(handle_, -1));
+    syncFolder(folderOf(place_));
+}
+
 void replaceFile(const fs::path& file, std::span<const std::byte> content) {
-    Beside beside(file);
-    if (!beside.ok() || !beside.write(content) || !beside.commit()) fail(file, errno, "; the file that was there is untouched");
+    FileReplacement replacement(file);
+    replacement.write(content);
+    replacement.commit();
 }
 
 void checkWritable(const fs::path& file) {
     constexpr const char* nothingLost = "; checked before rendering, nothing lost.";
-    const fs::path place = target(file), folder = place.has_parent_path() ? place.parent_path() : fs::path(".");
+    const fs::path place = target(file), folder = folderOf(place);
     std::error_code ignored;
-    if (fs::is_directory(place, ignored)) fail(file, EISDIR, nothingLost);
-    if (isDevice(place)) fail(file, EINVAL, nothingLost);
+    if (fs::is_directory(place, ignored)) refuse(file, EISDIR, nothingLost);
+    if (isDevice(place)) refuse(file, EINVAL, nothingLost);
     if (!fs::exists(folder, ignored))
         throw Error(Exit::file, fmt::format("cannot write {} (no folder {}){} Make it: mkdir -p {}", file.string(), folder.string(),
                                             nothingLost, folder.string()));
     // A file that says read-only is meant, though its folder would let us replace it.
-    if (fs::exists(place, ignored) && access(place.c_str(), W_OK) != 0) fail(file, errno, nothingLost);
-    const Beside trial(place);
-    if (!trial.ok()) fail(file, errno, nothingLost);
+    if (fs::exists(place, ignored) && access(place.c_str(), W_OK) != 0) refuse(file, errno, nothingLost);
+    const FileReplacement trial(place, FileReplacement::Trial{});
+    if (trial.handle_ < 0) refuse(file, errno, nothingLost);
 }
 
 } // namespace chiaro

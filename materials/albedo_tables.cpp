@@ -1,5 +1,6 @@
 #include "materials/albedo_tables.h"
 #include "core/math/lanes.h"
+#include "materials/albedo_columns.h"
 #include "materials/fresnel.h"
 #include "materials/microfacet.h"
 #include <vector>
@@ -9,7 +10,7 @@ namespace {
 
 // Rows in alpha (even in its fourth root), columns in mu, then slots: E1, one ratio for each node of the index, one for Schlick's shape.
 // The index axis is even in sqrt((n - 1) / (n + 1)) with n = 1.5 on its sixth node.
-constexpr int rows = 32, columns = 40, iors = 12, slots = iors + 2, schlickSlot = iors + 1, smoothNodes = 64;
+constexpr int rows = 32, columns = AlbedoColumns::count, iors = 12, slots = iors + 2, schlickSlot = iors + 1, smoothNodes = 64;
 constexpr float smallestAlpha = 1e-3f;
 const float firstRoot = std::sqrt(std::sqrt(smallestAlpha)), iorStep = std::sqrt(0.2f) / 6;
 
@@ -18,9 +19,8 @@ float iorRoot(float ior) noexcept { return std::sqrt((ior - 1) / (ior + 1)); }
 float iorOfRoot(float root) noexcept { return (1 + root * root) / (1 - root * root); }
 float iorOfSlot(int slot) noexcept { return slot == schlickSlot ? 0 : iorOfRoot(iorStep * float(slot)); }
 
-// What varies with mu near grazing does so on the scale of alpha, over a few of them.
-constexpr float scale = 4;
-float columnOf(float mu, float alpha) noexcept { return std::sqrt(mu * (1 + scale * alpha) / (mu + scale * alpha)); }
+constexpr float scale = AlbedoColumns::scale;
+float columnOf(float mu, float alpha) noexcept { return AlbedoColumns::place(mu, alpha); }
 float muOfColumn(float x, float alpha) noexcept { return x >= 1 ? 1 : x * x * scale * alpha / (1 + scale * alpha - x * x); }
 
 template <class T> T shape(T cosTheta, float ior) noexcept { return ior == 0 ? schlickShape(cosTheta) : dielectricShape(cosTheta, T(ior)); }
@@ -137,8 +137,7 @@ const Tables& tables() noexcept {
 
 float lerp(float a, float b, float f) noexcept { return a + (b - a) * f; }
 
-// The tables err by up to 0.0015 either way. Pushed up by a part of that, they let the base lose light rather than win it.
-constexpr float margin = 0.0005f;
+constexpr float margin = AlbedoColumns::margin;
 LayerAlbedo raised(const LayerAlbedo& a) noexcept { return {std::min(a.one + margin, 1.f), std::min(a.shape + margin, 1.f)}; }
 
 } // namespace
@@ -175,5 +174,15 @@ LayerAlbedo AlbedoSlice::at(float mu) const noexcept {
 }
 
 LayerAlbedo AlbedoSlice::average() const noexcept { return average_; }
+
+void AlbedoSlice::fill(AlbedoColumns& to) const noexcept {
+    for (int c = 0; c < columns; ++c) {
+        const auto* const a = tables().cells[row_][c];
+        const auto* const b = tables().cells[row_ + 1][c];
+        const auto ratio = [&](const float* p) { return lerp(p[slot_], p[slot_ + 1], slotFraction_); };
+        to.cells[c][0] = lerp(a[0], b[0], rowFraction_);
+        to.cells[c][1] = lerp(ratio(a), ratio(b), rowFraction_);
+    }
+}
 
 } // namespace chiaro

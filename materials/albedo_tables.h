@@ -14,6 +14,8 @@ struct LayerAlbedo {
     float one = 1, shape = 0;
 };
 
+struct AlbedoColumns; // materials/albedo_columns.h
+
 // A pair (alpha, ior) resolved to its place in the tables. alpha 0: a mirror, known exactly. ior 0: Schlick's shape.
 class AlbedoSlice {
 public:
@@ -21,6 +23,8 @@ public:
     AlbedoSlice(float alpha, float ior) noexcept;
     LayerAlbedo at(float mu) const noexcept; // mu: cosine of the direction, (0, 1]
     LayerAlbedo average() const noexcept;    // 2 times the integral of at(mu) mu
+    // The part of the tables that at() reads, over the cosine alone; alpha and ior above 0.
+    void fill(AlbedoColumns&) const noexcept;
 
 private:
     float alpha_ = 0, ior_ = 1.5f;

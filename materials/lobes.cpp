@@ -16,30 +16,51 @@ Vec3 mirrored(const Vec3& w) noexcept { return {w.x, w.y, -w.z}; }
 
 } // namespace
 
+LobeWeights lobeWeights(const BsdfParameters& p) noexcept {
+    LobeWeights w;
+    const float roughness = clamp01(p.roughness), transmission = clamp01(p.transmission);
+    w.alpha = roughness * roughness < Lobes::smallestAlpha ? 0 : roughness * roughness;
+    if (fault(Fault::alphaIsRoughness)) w.alpha = roughness;
+    w.rough = w.alpha > 0;
+    w.ior = p.ior == 0 ? 0 : std::max(p.ior, 1.f);
+    w.metallic = clamp01(p.metallic);
+    w.coat = (1 - w.metallic) * (1 - transmission);
+    w.glass = (1 - w.metallic) * transmission;
+    w.f90 = clamp01(p.specular);
+    const float normal = w.ior == 0 ? 1 : fresnelNormal(w.ior);
+    for (std::size_t i = 0; i < 3; ++i) w.f0[i] = std::min(normal * std::max(p.specularColor[i], 0.f), 1.f) * w.f90;
+
+    const bool matched = w.ior > 0 && w.ior - 1 < matchedIor;
+    w.dielectric = w.f90 > 0 && !matched;
+    if (matched) w.ior = 1, w.f0 = Spectrum(0), w.f90 = 0;
+    w.reflects = !black(p.baseColor * w.metallic) || w.metallic > 0 || (w.dielectric && w.coat + w.glass > 0);
+    if (!black(p.baseColor * w.glass) && !(w.ior == 0 && !p.thin))
+        w.passes = matched || (p.thin && !w.rough) ? LobeWeights::Passes::straight
+                   : w.rough                       ? LobeWeights::Passes::rough
+                                                   : LobeWeights::Passes::refracted;
+    w.diffuse = !black(p.baseColor * w.coat);
+    w.coated = w.diffuse && w.dielectric;
+    return w;
+}
+
 Lobes::Lobes(const BsdfParameters& p, const Vec3& wo, bool outside, Transport transport) noexcept
     : wo_{wo.x, wo.y, std::max(wo.z, 1e-7f)}, transport_(transport), outside_(outside), thin_(p.thin) {
-    const float roughness = clamp01(p.roughness), transmission = clamp01(p.transmission);
-    alpha_ = roughness * roughness < smallestAlpha ? 0 : roughness * roughness;
-    if (fault(Fault::alphaIsRoughness)) alpha_ = roughness;
-    rough_ = alpha_ > 0;
-    ior_ = p.ior == 0 ? 0 : std::max(p.ior, 1.f);
-    metallic_ = clamp01(p.metallic);
-    coat_ = (1 - metallic_) * (1 - transmission);
-    glass_ = (1 - metallic_) * transmission;
+    const LobeWeights w = lobeWeights(p);
+    alpha_ = w.alpha;
+    rough_ = w.rough;
+    ior_ = w.ior;
+    metallic_ = w.metallic;
+    coat_ = w.coat;
+    glass_ = w.glass;
     metalColor_ = p.baseColor * metallic_;
     tint_ = p.baseColor * glass_;
     diffuseColor_ = p.baseColor * coat_;
-    f90_ = clamp01(p.specular);
-    const float normal = ior_ == 0 ? 1 : fresnelNormal(ior_);
-    for (std::size_t i = 0; i < 3; ++i) f0_[i] = std::min(normal * std::max(p.specularColor[i], 0.f), 1.f) * f90_;
-
-    const bool matched = ior_ > 0 && ior_ - 1 < matchedIor, dielectric = f90_ > 0 && !matched;
-    if (matched) ior_ = 1, f0_ = Spectrum(0), f90_ = 0;
-    reflects_ = !black(metalColor_) || metallic_ > 0 || (dielectric && coat_ + glass_ > 0);
-    if (!black(tint_) && !(ior_ == 0 && !thin_))
-        passes_ = matched || (thin_ && !rough_) ? Passes::straight : rough_ ? Passes::rough : Passes::refracted;
-    diffuseLobe_ = !black(diffuseColor_);
-    coated_ = diffuseLobe_ && dielectric;
+    f0_ = w.f0;
+    f90_ = w.f90;
+    reflects_ = w.reflects;
+    passes_ = w.passes;
+    diffuseLobe_ = w.diffuse;
+    coated_ = w.coated;
     if (coated_) {
         slice_ = AlbedoSlice(alpha_, ior_);
         openO_ = open(slice_.at(wo_.z));

@@ -16,6 +16,7 @@
 #pragma once
 #include "core/render/events.h"
 #include "materials/albedo_tables.h"
+#include "materials/lobe_weights.h"
 #include "materials/microfacet.h"
 #include "materials/parameters.h"
 #include <optional>
@@ -55,7 +56,7 @@ public:
     const Vec3& wo() const noexcept { return wo_; }
 
 private:
-    enum class Passes : uint8_t { none, straight, refracted, rough }; // transmission: two delta kinds, and rough (pane or solid)
+    using Passes = LobeWeights::Passes;
     // Fresnel-weighted colours of reflection and transmission at one cosine.
     struct Split {
         Spectrum r, t;

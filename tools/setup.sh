@@ -1,6 +1,6 @@
 #!/bin/sh
 # Install the Debian packages that Chiaro is built from. Asks for root only when some are missing; safe to run again.
-# With the argument `browser` also those that the test of the comparison report in a browser needs.
+# With the argument `browser` also those that the test of the comparison report in a browser needs, with `farm` those of tools/farm/test.sh.
 # Why each of them is here: CONTRIBUTING.md, "Dependencies".
 set -eu
 
@@ -11,8 +11,9 @@ libeigen3-dev libfmt-dev libcli11-dev libxxhash-dev zlib1g-dev doctest-dev'
 case ${1-} in
     '') ;;
     browser) packages="$packages chromium chromium-driver python3-selenium" ;;
+    farm) packages="$packages slurmctld slurmd slurm-client munge python3-minimal" ;;
     *)
-        echo "setup: no such argument: $1; use 'browser' for the packages of the browser test, or nothing" >&2
+        echo "setup: no such argument: $1; use 'browser' or 'farm' for the packages of that test, or nothing" >&2
         exit 64
         ;;
 esac

@@ -23,6 +23,9 @@ public:
     // uCell picks the cell with 32 bits of a double, uTest decides between the cell and its alias.
     Choice choose(double uCell, float uTest) const noexcept;
     float pmf(uint32_t index) const noexcept { return cells_[index].pmf; }
+    // A cell as it is, for choices made in lanes: the probability of staying, and where to else.
+    float keep(uint32_t cell) const noexcept { return cells_[cell].keep; }
+    uint32_t alias(uint32_t cell) const noexcept { return cells_[cell].alias; }
 
 private:
     struct Cell {

@@ -50,6 +50,9 @@ public:
     };
     PairSeeds pairSeeds() const noexcept;
     SamplerKind kind() const noexcept { return kind_; }
+    // What all numbers of a path are made of, for whoever draws those of many paths at once (core/math/wide_sampler.h).
+    uint64_t key() const noexcept { return key_; }
+    uint32_t index() const noexcept { return index_; }
 
 private:
     uint32_t bits(uint32_t dimension) const noexcept;

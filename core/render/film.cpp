@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numbers>
 #include <tuple>
 
 namespace chiaro {
@@ -11,7 +10,6 @@ namespace {
 
 constexpr double aovUnit = 0x1p30;
 constexpr std::size_t ledgerLength = 16; // dropped samples that are located; all are counted
-constexpr uint32_t block = 8;            // pixels over which the error is pooled
 
 // Below this a multiple of 2^-48 fits 64 bits, and the conversion of a double, which holds it exactly, rounds to nearest, ties to even.
 constexpr float smallFixed = 0x1p14f;
@@ -76,7 +74,7 @@ double fromFixed(Int128 v) noexcept {
 std::size_t FilmLayout::bytes() const noexcept {
     const std::size_t planes = std::max<std::size_t>(1, layers.size());
     return crop.area() * (planes * (sizeof(Int128) * 6 + (splats ? sizeof(int64_t) * 18 : 0)) + sizeof(int64_t) * (costs ? 9 : 6) +
-                          (photons ? 3 * sizeof(Int128) : 0) + 12);
+                          (photons ? 3 * sizeof(Int128) : 0) + 12 + sizeof(float));
 }
 
 Spectrum Outputs::total() const noexcept {
@@ -85,9 +83,9 @@ Spectrum Outputs::total() const noexcept {
     return sum;
 }
 
-Film::Film(const FilmLayout& layout)
+Film::Film(const FilmLayout& layout, uint32_t begin)
     : layout_(layout), planes_(int(std::max<std::size_t>(1, layout.layers.size()))), sums_(layout.crop.area() * planes_),
-      aovs_(layout.crop.area()), counts_(layout.crop.area()) {
+      aovs_(layout.crop.area()), counts_(layout.crop.area(), {begin, {}}), begin_(begin), done_(begin) {
     if (layout.costs) costs_.resize(layout.crop.area());
     if (layout.photons) gathered_.resize(layout.crop.area());
     if (layout.splats) splats_ = std::make_unique<Digits[]>(layout.crop.area() * planes_);
@@ -245,64 +243,12 @@ uint32_t Film::count(Pixel p) const noexcept {
     return c.kept[0] + c.kept[1];
 }
 
-std::vector<Spectrum> Film::standardError() const {
-    const Rect& crop = layout_.crop;
-    const uint32_t columns = (crop.width() + block - 1) / block, rows = (crop.height() + block - 1) / block;
-    std::vector<Rgb<double>> sums(std::size_t(columns) * rows);
-    std::vector<uint32_t> counts(sums.size());
-    const auto blockOf = [&](uint32_t x, uint32_t y) { return std::size_t(y / block) * columns + x / block; };
-    for (uint32_t y = 0; y < crop.height(); ++y)
-        for (uint32_t x = 0; x < crop.width(); ++x) {
-            const Pixel p{crop.x0 + x, crop.y0 + y};
-            const Counts& n = counts_[at(p)];
-            if (n.kept[0] == 0 || n.kept[1] == 0) continue;
-            const Spectrum a = halfMean(p, Half::even), b = halfMean(p, Half::odd);
-            for (std::size_t c = 0; c < 3; ++c) sums[blockOf(x, y)][c] += sqr((double(a[c]) - double(b[c])) / 2);
-            ++counts[blockOf(x, y)];
-        }
-    std::vector<Spectrum> result(crop.area());
-    for (uint32_t y = 0; y < crop.height(); ++y)
-        for (uint32_t x = 0; x < crop.width(); ++x) {
-            const std::size_t k = blockOf(x, y);
-            for (std::size_t c = 0; c < 3; ++c)
-                result[std::size_t(y) * crop.width() + x][c] = counts[k] ? float(std::sqrt(sums[k][c] / counts[k])) : 0.f;
-        }
-    return result;
-}
-
-double Film::halfDeviation(Pixel p) const noexcept {
-    const Counts& n = counts_[at(p)];
-    if (n.kept[0] == 0 || n.kept[1] == 0) return 0;
-    return std::fabs(double(luminance(halfMean(p, Half::even))) - double(luminance(halfMean(p, Half::odd)))) / 2;
-}
-
-Film::Mean Film::meanLuminance() const {
-    const Rect& crop = layout_.crop;
-    double sum = 0, squares = 0;
-    for (uint32_t y = crop.y0; y < crop.y1; ++y)
-        for (uint32_t x = crop.x0; x < crop.x1; ++x) {
-            sum += luminance(mean({x, y}));
-            squares += sqr(halfDeviation({x, y}));
-        }
-    const double n = double(crop.area());
-    return {sum / n, std::sqrt(squares) / n};
-}
-
-double Film::noise() const {
-    if (done_ < 2) return std::nan("");
-    const Rect& crop = layout_.crop;
-    double deviation = 0, sum = 0;
-    for (uint32_t y = crop.y0; y < crop.y1; ++y)
-        for (uint32_t x = crop.x0; x < crop.x1; ++x) {
-            sum += double(luminance(mean({x, y})));
-            deviation += halfDeviation({x, y});
-        }
-    // E|X| of a normal deviate is sigma sqrt(2 / pi).
-    return std::sqrt(std::numbers::pi / 2) * deviation / sum;
-}
-
 bool Film::complete(uint32_t samples) const noexcept {
     return std::all_of(counts_.begin(), counts_.end(), [samples](const Counts& c) { return c.next >= samples; });
+}
+
+bool Film::even() const noexcept {
+    return std::all_of(counts_.begin(), counts_.end(), [this](const Counts& c) { return c.next == done_; });
 }
 
 std::vector<DroppedSample> Film::droppedSamples() const {
@@ -329,6 +275,12 @@ void Film::merge(const Film& other) {
                 for (int c = 0; c < 3; ++c)
                     for (int d = 0; d < 3; ++d) splats_[i].digit[h][c][d].fetch_add(other.splats_[i].digit[h][c][d].load());
     for (int h = 0; h < 2; ++h) lightPaths_[h] += other.lightPaths_[h];
+    if (other.begin_ < begin_) { // what is known of the error belongs to the first samples
+        growth_ = other.growth_;
+        grown_ = other.grown_;
+        grownAt_ = other.grownAt_;
+        begin_ = other.begin_;
+    }
     done_ = std::max(done_, other.done_);
     droppedCount_.fetch_add(other.droppedCount_.load());
     for (const DroppedSample& d : other.droppedSamples()) {

@@ -1,6 +1,7 @@
 // Film: all mutable state of a picture. Sums are exact, so that any order of additions, any cut into passes and any number of threads give
-// the same bits: a sample is rounded to a multiple of 2^-48 and added as an integer of 128 bits. The error of the picture is estimated
-// from half-films (even and odd samples). Filter weights are 1 (filter importance sampling): a pixel is sum over count.
+// the same bits: a sample is rounded to a multiple of 2^-48 and added as an integer of 128 bits. The error of a pixel is estimated from
+// half-films (even and odd samples), that of the whole picture from how far it moved when its samples doubled (film_error.cpp). Filter
+// weights are 1 (filter importance sampling): a pixel is sum over count.
 #pragma once
 #include "core/math/ray.h"
 #include "core/render/path_classes.h"
@@ -43,6 +44,7 @@ struct FilmLayout {
     bool costs = false;                 // keep the cost of every pixel
     bool photons = false;               // keep what density estimates found
     std::size_t bytes() const noexcept; // that a film of this layout takes
+    friend bool operator==(const FilmLayout&, const FilmLayout&) = default;
 };
 
 // What one path gives: a plain value. Scaled and splatted by a chain, or added to the film by the tile loop.
@@ -87,9 +89,12 @@ struct DroppedSample {
     friend bool operator==(const DroppedSample&, const DroppedSample&) = default;
 };
 
+class Writer;
+class Reader;
+
 class Film {
 public:
-    explicit Film(const FilmLayout&);
+    explicit Film(const FilmLayout&, uint32_t begin = 0); // begin: the first sample index that it is to hold
     const FilmLayout& layout() const noexcept { return layout_; }
 
     uint32_t next(Pixel) const noexcept;                                // the sample index that this pixel takes next
@@ -111,18 +116,24 @@ public:
     // Relative error of the picture: the average standard error of a pixel's luminance over the average luminance. The average, not the
     // root mean square: a few fireflies must not speak for all pixels. NaN while there is none.
     double noise() const;
-    // Mean luminance over the crop, and its standard error from the halves of all pixels, which are independent of each other.
+    double noiseBound() const; // what noise() stays below with 95 % confidence: it is an estimate itself
+    // Mean luminance over the crop, its standard error, and the degrees of freedom of that error for Student's t.
     struct Mean {
-        double value = 0, error = 0;
+        double value = 0, error = 0, dof = 1;
     };
     Mean meanLuminance() const;
 
+    uint32_t begin() const noexcept { return begin_; }
     uint32_t done() const noexcept { return done_; } // samples that every pixel has
     bool complete(uint32_t samples) const noexcept;  // has every pixel been given all before this sample?
-    void setDone(uint32_t samples) noexcept { done_ = samples; }
+    bool even() const noexcept;                      // does every pixel have the samples [begin, done) and no others?
+    void setDone(uint32_t samples);                  // where they are a power of two, every pixel must have just so many
     uint64_t dropped() const noexcept { return droppedCount_.load(); }
     std::vector<DroppedSample> droppedSamples() const; // the first few by (sample, y, x)
     void merge(const Film&);                           // of disjoint samples
+    // All of it, exactly. load() throws as Reader does, also where the film would take more than `memory` bytes.
+    void save(Writer&) const;
+    static std::unique_ptr<Film> load(Reader&, std::size_t memory = ~std::size_t(0));
 
 private:
     struct Sums {
@@ -134,9 +145,28 @@ private:
     struct Counts {
         uint32_t next = 0, kept[2] = {};
     };
+    // One standard error of every pixel's luminance, from one degree of freedom each, summed up over pixels and over blocks of them.
+    struct Spread {
+        double light = 0; // of the picture: the sum of its luminances
+        double absolute = 0, squares = 0, fourths = 0, blockSquares = 0, blockFourths = 0;
+    };
+    struct Growth {
+        uint32_t samples = 0; // after doubling; 0: it never did
+        Spread spread;
+        double absoluteBefore = 0, squaresBefore = 0; // of the doubling before it; 0: none
+    };
+    struct Uncertainty { // of the picture as it stands
+        Spread spread;
+        double absolute = 1, square = 1; // factors that bring it to the present number of samples
+        double moreThanPixels = 1;       // blockSquares / squares, where pixels share samples
+        double dof = 1;
+    };
     std::size_t at(Pixel p) const noexcept { return std::size_t(p.y - layout_.crop.y0) * layout_.crop.width() + (p.x - layout_.crop.x0); }
     Spectrum value(std::size_t pixel, int firstLayer, int endLayer, int half) const noexcept; // half 2: both
-    double halfDeviation(Pixel) const noexcept; // |even - odd| / 2 in luminance: one standard error, from one degree of freedom
+    double halfDeviation(Pixel) const noexcept; // (even - odd) / 2 in luminance: one standard error, from one degree of freedom
+    template <class Deviation> Spread spread(Deviation&&) const;
+    Uncertainty uncertainty() const;
+    void grow();
     void drop(Pixel, uint32_t sample) noexcept;
     bool usable(const Outputs&) const noexcept;
     void addExtras(std::size_t pixel, const Outputs&) noexcept; // cost and what density estimates found, where the film keeps them
@@ -150,7 +180,10 @@ private:
     std::vector<std::array<Int128, 3>> gathered_; // density, radius, count; empty: not kept
     std::unique_ptr<Digits[]> splats_;
     double lightPaths_[2] = {};
-    uint32_t done_ = 0;
+    uint32_t begin_ = 0, done_ = 0;
+    Growth growth_;
+    std::vector<float> grown_; // every pixel's luminance when it had grownAt_ samples
+    uint32_t grownAt_ = 0;     // 0: it never had a power of two
     std::atomic<uint64_t> droppedCount_{0};
     mutable std::mutex mutex_;
     std::vector<DroppedSample> dropped_;

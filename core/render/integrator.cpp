@@ -1,8 +1,7 @@
 #include "core/render/integrator.h"
-#include "core/render/fault.h"
+#include "core/render/pixel_start.h"
 #include "core/render/wide_starts.h"
 #include <chrono>
-#include <cmath>
 
 namespace chiaro {
 namespace {
@@ -10,72 +9,13 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::size_t mostStarts = StartLanes::most;
 
-// Consecutive samples of one pixel.
-struct Run {
-    Pixel pixel;
-    uint32_t first = 0, count = 0;
-    Sampler sampler; // of the first, behind its position in the pixel
-};
-
 // Memory of one thread for one batch: kept between tiles, since 256 outputs with layers are 100 KB.
 struct Room {
     alignas(64) std::byte starts[mostStarts * sizeof(PathStart)];
     alignas(64) std::byte outputs[mostStarts * sizeof(Outputs)];
-    alignas(64) std::byte runs[mostStarts * sizeof(Run)];
+    alignas(64) std::byte runs[mostStarts * sizeof(PixelRun)];
     StartLanes lanes;
 };
-
-uint64_t pathIndex(Pixel p) noexcept { return fault(Fault::seedsShared) ? 0 : uint64_t(p.y) << 32 | p.x; }
-
-// One shift for all the samples of a pixel keeps their distances (Cranley and Patterson 1976).
-Point2 shiftedAround(Point2 p, uint64_t bits) noexcept {
-    const float x = p.x + float(bits >> 40) * 0x1p-24f, y = p.y + float(bits & 0xffffff) * 0x1p-24f;
-    return {x - std::floor(x), y - std::floor(y)};
-}
-
-// The dimensions of a start. Numbers that nobody asks for are skipped, not drawn: the others keep their dimensions.
-constexpr uint32_t positionDimensions = 2, timeDimensions = 1, lensDimensions = 2;
-float timeOf(const Job& job, std::optional<float> at, Sampler& sampler) noexcept {
-    const float open = job.shutter.open, length = job.shutter.close - open;
-    if (!at && length != 0) return open + sampler.get1D() * length;
-    sampler.skip(timeDimensions);
-    return at ? *at : open;
-}
-PathStart makeStart(const Job& job, Pixel pixel, uint32_t sample, Point2 raster, Sampler sampler, std::optional<float> at) noexcept {
-    const float time = timeOf(job, at, sampler);
-    Point2 lens;
-    if (job.view.camera.hasLens())
-        lens = sampler.get2D();
-    else
-        sampler.skip(lensDimensions);
-    return {pixel, sample, job.view.camera.ray(raster, lens, time), job.view.camera.footprint(), {}, sampler, {}};
-}
-
-Point2 centreOf(Pixel p) noexcept {
-    const float half = fault(Fault::pixelCorner) ? 0.f : 0.5f;
-    return {float(p.x) + half, float(p.y) + half};
-}
-Point2 filteredPosition(const Filter& filter, Pixel pixel, Point2 u) noexcept {
-    const Point2 filtered = filter.sample(u), centre = centreOf(pixel);
-    return {centre.x + filtered.x, centre.y + filtered.y};
-}
-
-PathStart pixelStart(const Job& job, Pixel pixel, uint32_t sample, const Starts& how) noexcept {
-    Sampler sampler(job.seed, job.sampler, Stream::pixel, pathIndex(pixel), sample);
-    if (how.pattern.empty()) {
-        const Point2 raster = filteredPosition(job.view.filter, pixel, sampler.get2D());
-        return makeStart(job, pixel, sample, raster, sampler, how.time);
-    }
-    Point2 p = how.pattern[sample % how.pattern.size()];
-    if (how.jitter == 0) {
-        sampler.skip(positionDimensions);
-    } else {
-        const Point2 u = sampler.get2D();
-        p = {p.x + (u.x - 0.5f) * how.jitter, p.y + (u.y - 0.5f) * how.jitter};
-    }
-    if (how.shifted) p = shiftedAround(p, hashCombine(job.seed, pathIndex(pixel)));
-    return makeStart(job, pixel, sample, {float(pixel.x) + p.x, float(pixel.y) + p.y}, sampler, how.time);
-}
 
 void traceFirst(const Job& job, PathStart& start) noexcept {
     // Through the wide kernels, like the tile loop: the same ray must give the same bits.
@@ -89,7 +29,7 @@ public:
     TileLoop(const Job& job, const Pass& pass, Film& film, Batch batch, const Starts& how)
         : job_(job), pass_(pass), film_(film), batch_(batch), how_(how),
           most_(film.layout().costs ? 1 : std::clamp<std::size_t>(how.width, 1, mostStarts)), // a clock looks at one sample at a time
-          plain_(how.pattern.empty() && job.sampler == SamplerKind::sobol && job.view.camera.plain()) {
+          plain_(plainStarts(job, how)) {
         thread_local const std::unique_ptr<Room> room = std::make_unique<Room>();
         room_ = room.get();
     }
@@ -105,7 +45,7 @@ public:
 private:
     PathStart* starts() noexcept { return reinterpret_cast<PathStart*>(room_->starts); }
     Outputs* outputs() noexcept { return reinterpret_cast<Outputs*>(room_->outputs); }
-    Run* runs() noexcept { return reinterpret_cast<Run*>(room_->runs); }
+    PixelRun* runs() noexcept { return reinterpret_cast<PixelRun*>(room_->runs); }
     void take(Pixel pixel, uint32_t begin, uint32_t end) {
         begin = std::max(begin, film_.next(pixel));
         if (begin >= end || (pass_.active && !pass_.active->active(pixel))) return;
@@ -114,7 +54,7 @@ private:
         sampler.skip(positionDimensions);
         while (begin < end) {
             const uint32_t n = std::min(end - begin, uint32_t(most_ - count_));
-            ::new (runs() + runCount_++) Run{pixel, begin, n, sampler};
+            ::new (runs() + runCount_++) PixelRun{pixel, begin, n, sampler};
             if (plain_) lay(pixel, begin, n, seeds);
             begin += n;
             count_ += n;
@@ -142,7 +82,7 @@ private:
         batch_({starts(), n}, {outputs(), n});
         if (film_.layout().costs) outputs()[0].microseconds = std::chrono::duration<float, std::micro>(Clock::now() - begin).count();
         const Outputs* next = outputs();
-        for (const Run& run : std::span<const Run>(runs(), runCount_)) {
+        for (const PixelRun& run : std::span<const PixelRun>(runs(), runCount_)) {
             film_.add(run.pixel, run.first, {next, run.count});
             next += run.count;
         }
@@ -155,7 +95,7 @@ private:
         RayPacket packet;
         for (std::size_t k = 0; k < RayPacket::size; ++k) packet.set(k, ray);
         Hit hits[RayPacket::size];
-        const Run* run = runs();
+        const PixelRun* run = runs();
         for (std::size_t first = 0, taken = 0; first < n; first += RayPacket::size) {
             const std::size_t lanes = std::min(RayPacket::size, n - first);
             PathStart* const to = starts() + first;
@@ -174,7 +114,7 @@ private:
     }
     void makeAny(std::size_t n) noexcept {
         PathStart* to = starts();
-        for (const Run& run : std::span<const Run>(runs(), runCount_))
+        for (const PixelRun& run : std::span<const PixelRun>(runs(), runCount_))
             for (uint32_t i = 0; i < run.count; ++i) ::new (to++) PathStart(pixelStart(job_, run.pixel, run.first + i, how_));
         for (std::size_t first = 0; first < n; first += RayPacket::size) {
             const std::size_t lanes = std::min(RayPacket::size, n - first);
@@ -226,6 +166,9 @@ void CameraIntegrator::radianceWide(const Job& job, std::span<PathStart> starts,
 
 void CameraIntegrator::render(const Job& job, const Pass& pass, Film& film) {
     const Starts how = starts(job);
+    if (streams(job, film.layout()))
+        return forEachStream(
+            job, pass, film, [&](StartSource& p, SampleLanes& o) { radianceWide(job, p, o); }, how);
     forEachBatch(
         job, pass, film, [&](std::span<PathStart> p, std::span<Outputs> o) { radianceWide(job, p, o); }, how);
 }

@@ -84,12 +84,29 @@ using Batch = FunctionRef<void(std::span<PathStart>, std::span<Outputs>)>;
 // The only tile loop. First hits are traced 16 wide and coherent. No result depends on the size of a batch.
 void forEachBatch(const Job&, const Pass&, Film&, Batch, const Starts& = {});
 
+// Starts sixteen at a time, as a stream of paths takes them in while others end; and what the paths give, as arrays
+// (core/render/wide_starts.h).
+struct StartPacket;
+struct SampleLanes;
+class StartSource {
+public:
+    virtual ~StartSource() = default;
+    virtual bool next(StartPacket&) noexcept = 0; // false: there are no more
+};
+// The same loop where batches are streams: one tile's starts, at most SampleLanes::most, and where the samples go.
+using StreamBatch = FunctionRef<void(StartSource&, SampleLanes&)>;
+void forEachStream(const Job&, const Pass&, Film&, StreamBatch, const Starts& = {});
+
 class CameraIntegrator : public Integrator {
 public:
     virtual void radiance(const Job&, PathStart&, Outputs&) const noexcept = 0;
     virtual void radianceWide(const Job&, std::span<PathStart>, std::span<Outputs>) const noexcept; // default: radiance() for each
+    // The same for some thousands of starts, as many of which are under way at once as the integrator likes. Asked only where streams()
+    // says yes for the job and the film.
+    virtual void radianceWide(const Job&, StartSource&, SampleLanes&) const noexcept {}
+    virtual bool streams(const Job&, const FilmLayout&) const noexcept { return false; }
     virtual Starts starts(const Job&) const { return {}; }
-    void render(const Job&, const Pass&, Film&) override; // forEachBatch
+    void render(const Job&, const Pass&, Film&) override; // forEachBatch or forEachStream
 };
 
 } // namespace chiaro

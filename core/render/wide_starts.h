@@ -18,4 +18,24 @@ struct StartLanes {
 // Of the sixteen lanes from `first` on, used or not. The origin, the time and the rest of the packet are the caller's.
 void plainDirections(const StartLanes&, std::size_t first, const Filter&, const Camera&, RayPacket&) noexcept;
 
+// The numbers that a start draws of its sampler: position in the pixel, time, lens. All paths go on behind them.
+inline constexpr uint32_t startDimensions = 5;
+
+// Sixteen starts, or the last few, with their first hits.
+struct StartPacket {
+    RayPacket rays;
+    HitPacket hits;
+    alignas(64) uint32_t keyLow[RayPacket::size], keyHigh[RayPacket::size], sample[RayPacket::size]; // of the samplers: key(), index()
+    uint32_t first = 0, count = 0; // the slots first, first + 1, ... of the SampleLanes are theirs
+};
+
+// What the paths of a stream give: plain sums in one slot a sample. Light that a path finds and light that a shadow ray brings come in two
+// sums: shadow rays wait for company, and so the order of all additions would depend on how many paths are under way.
+struct SampleLanes {
+    static constexpr std::size_t most = 4096;
+    alignas(64) float found[most][4], direct[most][4]; // RGB; a sum is one register
+    alignas(64) float albedo[3][most], normal[3][most];
+    void clear(std::size_t count) noexcept;
+};
+
 } // namespace chiaro

@@ -2,6 +2,8 @@
 #include "core/math/sampler.h"
 #include "core/math/wide_isa.h"
 #include "core/render/error.h"
+#include "core/render/in_parallel.h"
+#include "core/scene/accel_record.h"
 #include <bit>
 #include <cstring>
 #include <embree3/rtcore.h>
@@ -12,6 +14,7 @@ namespace chiaro {
 namespace {
 
 constexpr std::size_t width = RayPacket::size;
+constexpr std::size_t instanceBlock = 1024; // instances that one task attaches
 
 struct DeviceDeleter {
     void operator()(RTCDevice d) const noexcept { rtcReleaseDevice(d); }
@@ -92,6 +95,11 @@ void setMotion(RTCGeometry instance, const Motion& motion) {
     }
 }
 
+bool countBytes(void* sum, ssize_t bytes, bool) { // Embree's way of telling what it takes and gives back
+    static_cast<std::atomic<std::ptrdiff_t>*>(sum)->fetch_add(bytes, std::memory_order_relaxed);
+    return true;
+}
+
 struct CutOut { // user data of a cut-out geometry
     const OpacityAt* opacity;
     uint32_t geometry;
@@ -118,6 +126,7 @@ void filterCutOut(const RTCFilterFunctionNArguments* a) {
 } // namespace
 
 struct Accel::Impl {
+    std::atomic<std::ptrdiff_t> bytes{0}; // outlives the device, which counts into it
     Device device;
     OpacityAt opacity;
     std::vector<CutOut> cutOuts; // stable: sized before the geometries point into it
@@ -146,6 +155,20 @@ struct Accel::Impl {
         }
         rtcCommitGeometry(handle.get());
         rtcAttachGeometryByID(scene, handle.get(), id);
+    }
+    // The hierarchies of instanced meshes, side by side.
+    void buildMeshes(std::span<const Geometry> geometries, std::span<const Instance> instances, const Executor* run) {
+        std::vector<const Instance*> first; // of each mesh
+        for (const Instance& i : instances)
+            if (meshes.try_emplace(i.firstGeometry).second) first.push_back(&i);
+        inParallel(run, first.size(), [&](uint64_t m) {
+            const Instance& i = *first[m];
+            SceneHandle& mesh = meshes.find(i.firstGeometry)->second;
+            mesh = newScene();
+            for (uint32_t k = 0; k < i.geometryCount; ++k) attach(mesh.get(), geometries[i.firstGeometry + k], i.firstGeometry + k, k);
+            rtcCommitScene(mesh.get());
+            check(device.get());
+        });
     }
     void attach(const Instance& instance, const Motion* motion, uint32_t id) {
         const GeometryHandle handle(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
@@ -179,37 +202,53 @@ struct Accel::Impl {
 };
 
 Accel::Accel(std::span<const Geometry> geometries, std::size_t top, std::span<const Instance> instances, std::span<const Motion> motions,
-             Interval shutter, OpacityAt opacity, const std::string& isa)
+             Interval shutter, OpacityAt opacity, const std::string& isa, const Executor* run)
     : impl_(std::make_unique<Impl>()), isa_(chooseIsa(isa)), clock_(shutter) {
     impl_->device.reset(rtcNewDevice(fmt::format("isa={}", isa_).c_str()));
     if (!impl_->device) check(nullptr);
+    rtcSetDeviceMemoryMonitorFunction(impl_->device.get(), countBytes, &impl_->bytes);
     impl_->opacity = std::move(opacity);
     impl_->topCount = uint32_t(top);
     if (std::any_of(geometries.begin(), geometries.end(), [](const Geometry& g) { return g.cutOut; }))
         impl_->cutOuts.resize(geometries.size());
+    impl_->buildMeshes(geometries, instances, run);
     impl_->top = impl_->newScene();
     for (uint32_t i = 0; i < top; ++i) impl_->attach(impl_->top.get(), geometries[i], i, i);
-    for (uint32_t i = 0; i < instances.size(); ++i) {
-        const Instance& instance = instances[i];
-        impl_->firstGeometry.push_back(instance.firstGeometry);
-        SceneHandle& mesh = impl_->meshes[instance.firstGeometry];
-        if (!mesh) {
-            mesh = impl_->newScene();
-            for (uint32_t k = 0; k < instance.geometryCount; ++k)
-                impl_->attach(mesh.get(), geometries[instance.firstGeometry + k], instance.firstGeometry + k, k);
-            rtcCommitScene(mesh.get());
+    impl_->firstGeometry.resize(instances.size());
+    inParallel(run, (instances.size() + instanceBlock - 1) / instanceBlock, [&](uint64_t b) {
+        for (std::size_t i = b * instanceBlock; i < std::min<std::size_t>((b + 1) * instanceBlock, instances.size()); ++i) {
+            const Instance& instance = instances[i];
+            impl_->firstGeometry[i] = instance.firstGeometry;
+            impl_->attach(instance, instance.motion == Hit::none ? nullptr : &motions[instance.motion], uint32_t(top + i));
         }
-        impl_->attach(instance, instance.motion == Hit::none ? nullptr : &motions[instance.motion], uint32_t(top) + i);
-    }
+        check(impl_->device.get()); // Embree keeps an error for the thread that made it
+    });
     rtcCommitScene(impl_->top.get());
     check(impl_->device.get());
 }
 Accel::~Accel() = default;
 
+std::size_t Accel::bytes() const noexcept { return std::size_t(std::max<std::ptrdiff_t>(0, impl_->bytes)); }
+
 std::string Accel::version() { return RTC_VERSION_STRING; }
 
-Hit Accel::intersect(const Ray& r) const noexcept { return impl_->nearest(r, clock_.share(r.time), impl_->rayId(r)); }
-Hit Accel::firstSurface(const Ray& r) const noexcept { return impl_->nearest(r, clock_.share(r.time), noLot); }
+namespace {
+
+SingleRay recorded(const Ray& r, float time, uint32_t id) noexcept {
+    return {r.o.x, r.o.y, r.o.z, r.tnear, r.d.x, r.d.y, r.d.z, r.tfar, time, id};
+}
+
+} // namespace
+
+Hit Accel::single(RayCall call, const Ray& r, uint32_t id) const noexcept {
+    const float time = clock_.share(r.time);
+    const Hit hit = impl_->nearest(r, time, id);
+    if (RayRecord::on() && usable(r)) [[unlikely]]
+        RayRecord::add(this, call, recorded(r, time, id), bool(hit), hit.t);
+    return hit;
+}
+Hit Accel::intersect(const Ray& r) const noexcept { return single(RayCall::single, r, impl_->rayId(r)); }
+Hit Accel::firstSurface(const Ray& r) const noexcept { return single(RayCall::surface, r, noLot); }
 
 bool Accel::occluded(const Ray& r) const noexcept {
     if (!usable(r)) return true;
@@ -217,6 +256,8 @@ bool Accel::occluded(const Ray& r) const noexcept {
     rtcInitIntersectContext(&context);
     RTCRay q{r.o.x, r.o.y, r.o.z, r.tnear, r.d.x, r.d.y, r.d.z, clock_.share(r.time), r.tfar, ~0u, impl_->rayId(r), 0};
     rtcOccluded1(impl_->top.get(), &context, &q);
+    if (RayRecord::on()) [[unlikely]]
+        RayRecord::add(this, RayCall::shadowSingle, recorded(r, q.time, q.id), q.tfar < 0, 0);
     return q.tfar < 0;
 }
 
@@ -259,20 +300,35 @@ void fill(RTCRay16& q, int (&valid)[width], const RayPacket& r, std::size_t coun
 
 } // namespace
 
-void Accel::intersect(const RayPacket& rays, std::span<Hit> hits, bool coherent) const noexcept {
+void Accel::intersect(const RayPacket& rays, HitPacket& hits, uint32_t count, bool coherent) const noexcept {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     if (coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     alignas(64) RTCRayHit16 q;
     alignas(64) int valid[width];
-    fill(q.ray, valid, rays, hits.size(), clock_);
+    fill(q.ray, valid, rays, count, clock_);
     if (!impl_->cutOuts.empty())
-        for (std::size_t k = 0; k < hits.size(); ++k) q.ray.id[k] = identity(rays.ray(k));
+        for (uint32_t k = 0; k < count; ++k) q.ray.id[k] = identity(rays.ray(k));
     std::memset(q.hit.geomID, 0xff, sizeof q.hit.geomID);
     std::memset(q.hit.instID, 0xff, sizeof q.hit.instID);
     rtcIntersect16(valid, impl_->top.get(), &context, &q);
-    for (std::size_t k = 0; k < hits.size(); ++k)
-        hits[k] = impl_->decode(q.hit.geomID[k], q.hit.primID[k], q.hit.instID[0][k], q.hit.u[k], q.hit.v[k], q.ray.tfar[k]);
+    if (RayRecord::on()) [[unlikely]]
+        recordClosest(this, coherent ? RayCall::coherent : RayCall::wide, q, rays, valid);
+    const auto copy = [](auto* to, const auto* from) { std::memcpy(to, from, width * sizeof *to); };
+    copy(hits.geometry, q.hit.geomID), copy(hits.triangle, q.hit.primID), copy(hits.instance, q.hit.instID[0]);
+    copy(hits.u, q.hit.u), copy(hits.v, q.hit.v), copy(hits.t, q.ray.tfar);
+    if (impl_->firstGeometry.empty()) return;
+    for (std::size_t k = 0; k < width; ++k) {
+        if (hits.instance[k] == RTC_INVALID_GEOMETRY_ID) continue;
+        hits.instance[k] -= impl_->topCount;
+        hits.geometry[k] += impl_->firstGeometry[hits.instance[k]];
+    }
+}
+
+void Accel::intersect(const RayPacket& rays, std::span<Hit> hits, bool coherent) const noexcept {
+    HitPacket packet;
+    intersect(rays, packet, uint32_t(hits.size()), coherent);
+    for (std::size_t k = 0; k < hits.size(); ++k) hits[k] = packet.geometry[k] == Hit::none ? Hit{} : packet.hit(k);
 }
 
 void Accel::intersect(std::span<const Ray> rays, std::span<Hit> hits, bool coherent) const noexcept {
@@ -284,16 +340,25 @@ void Accel::intersect(std::span<const Ray> rays, std::span<Hit> hits, bool coher
     }
 }
 
-void Accel::occluded(const RayPacket& rays, std::span<uint8_t> answers) const noexcept {
+uint32_t Accel::occluded(const RayPacket& rays, uint32_t count) const noexcept {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     alignas(64) RTCRay16 q;
     alignas(64) int valid[width];
-    fill(q, valid, rays, answers.size(), clock_);
+    fill(q, valid, rays, count, clock_);
     if (!impl_->cutOuts.empty())
-        for (std::size_t k = 0; k < answers.size(); ++k) q.id[k] = identity(rays.ray(k));
+        for (uint32_t k = 0; k < count; ++k) q.id[k] = identity(rays.ray(k));
     rtcOccluded16(valid, impl_->top.get(), &context, &q);
-    for (std::size_t k = 0; k < answers.size(); ++k) answers[k] = valid[k] == 0 || q.tfar[k] < 0;
+    if (RayRecord::on()) [[unlikely]]
+        recordShadow(this, q, rays, valid);
+    uint32_t stopped = 0;
+    for (uint32_t k = 0; k < count; ++k) stopped |= uint32_t((valid[k] == 0) | (q.tfar[k] < 0)) << k;
+    return stopped;
+}
+
+void Accel::occluded(const RayPacket& rays, std::span<uint8_t> answers) const noexcept {
+    const uint32_t stopped = occluded(rays, uint32_t(answers.size()));
+    for (std::size_t k = 0; k < answers.size(); ++k) answers[k] = stopped >> k & 1;
 }
 
 void Accel::occluded(std::span<const Ray> rays, std::span<uint8_t> answers) const noexcept {
@@ -304,5 +369,8 @@ void Accel::occluded(std::span<const Ray> rays, std::span<uint8_t> answers) cons
         occluded(packet, answers.subspan(first, n));
     }
 }
+
+RayAnswers Accel::replay(const RayBlock& block) noexcept { return traceAgain(block, block.accel->impl_->top.get()); }
+RayAnswers Accel::readThrough(const RayBlock& block) noexcept { return traceAgain(block, nullptr); }
 
 } // namespace chiaro

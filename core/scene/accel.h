@@ -1,9 +1,10 @@
-// Accel: the bounding volume hierarchy. Every call to Embree in the program is in accel.cpp. Two levels: meshes that several nodes use, or
+// Accel: the bounding volume hierarchy. Every call to Embree in the program is in accel*.cpp. Two levels: meshes that several nodes use, or
 // one that moves, are built once and instanced, all other geometry lies in world space in the top level.
 #pragma once
 #include "core/math/ray.h"
 #include "core/scene/motion.h"
 #include "core/scene/ray_packet.h"
+#include "core/scene/ray_record.h"
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -12,6 +13,8 @@
 #include <vector>
 
 namespace chiaro {
+
+class Executor;
 
 // A compiled triangle list. Normals, tangents, UVs and colours are empty or one a vertex.
 struct Geometry {
@@ -47,22 +50,30 @@ public:
     // The first `top` geometries lie in world space; the rest belong to meshes, which instances name by their first geometry. Motions are
     // those that instances name; rays carry times of the shutter, in seconds.
     Accel(std::span<const Geometry>, std::size_t top, std::span<const Instance>, std::span<const Motion>, Interval shutter, OpacityAt,
-          const std::string& isa);
+          const std::string& isa, const Executor* run);
     ~Accel();
     Hit intersect(const Ray&) const noexcept;
     void intersect(std::span<const Ray>, std::span<Hit>, bool coherent) const noexcept;
-    void intersect(const RayPacket&, std::span<Hit>, bool coherent) const noexcept; // of its first rays, one a hit; 16 at most
+    void intersect(const RayPacket&, std::span<Hit>, bool coherent) const noexcept;             // of its first rays, one a hit; 16 at most
+    void intersect(const RayPacket&, HitPacket&, uint32_t count, bool coherent) const noexcept; // of its first rays; 16 at most
+    uint32_t occluded(const RayPacket&, uint32_t count) const noexcept;                         // one bit a ray
     // The nearest surface of any opacity above zero: nothing passes by lot. For those who weigh what passes themselves.
     Hit firstSurface(const Ray&) const noexcept;
     bool occluded(const Ray&) const noexcept;
     void occluded(std::span<const Ray>, std::span<uint8_t>) const noexcept;
     void occluded(const RayPacket&, std::span<uint8_t>) const noexcept;
     const std::string& isa() const noexcept { return isa_; }
-    static std::string version(); // of Embree
+    std::size_t bytes() const noexcept; // that Embree has taken
+    static std::string version();       // of Embree
+    // The calls of a record once more, to the Accel that they went to and with nothing but Embree around them.
+    static RayAnswers replay(const RayBlock&) noexcept;
+    // What replay() does besides: reading the records and laying them out for Embree.
+    static RayAnswers readThrough(const RayBlock&) noexcept;
 
     struct Impl;
 
 private:
+    Hit single(RayCall, const Ray&, uint32_t id) const noexcept;
     std::unique_ptr<Impl> impl_;
     std::string isa_;
     ShutterClock clock_;

@@ -2,6 +2,7 @@
 // lights.
 #include "core/render/error.h"
 #include "core/render/fault.h"
+#include "core/render/in_parallel.h"
 #include "core/scene/accel.h"
 #include "core/scene/lights_builder.h"
 #include "core/scene/scene_hash.h"
@@ -90,11 +91,19 @@ void addSwept(Bounds& world, const Bounds& box, const Motion& motion) {
     }
 }
 
+template <class T> std::size_t heldBy(const std::vector<T>& v) noexcept { return v.capacity() * sizeof(T); }
+
+std::size_t bytesOf(const Geometry& g) noexcept {
+    return heldBy(g.positions) + heldBy(g.indices) + heldBy(g.normals) + heldBy(g.tangents) + heldBy(g.uv[0]) + heldBy(g.uv[1]) +
+           heldBy(g.colors);
+}
+
 } // namespace
 
 class SceneCompiler {
 public:
-    SceneCompiler(SceneDesc desc, Diagnostics& notes) : desc_(std::move(desc)), notes_(notes), scene_(new Scene) {}
+    SceneCompiler(SceneDesc desc, Diagnostics& notes, const Executor* run)
+        : desc_(std::move(desc)), notes_(notes), run_(run), scene_(new Scene) {}
     std::unique_ptr<const Scene> run(const std::string& isa);
 
 private:
@@ -103,12 +112,22 @@ private:
     bool moves(const MotionDesc& m) const noexcept { return m.size() > 1 && desc_.shutter.close > desc_.shutter.open; }
     uint32_t addMotion(MotionDesc); // recentred; its number
     void centre();
+    // A primitive on its way into the scene; with a map, in world space.
+    struct Source {
+        PrimitiveDesc* primitive;
+        std::optional<Affine> toWorld;
+    };
     void place();
-    Geometry geometry(PrimitiveDesc&, const Affine* toWorld);
+    void bake(const std::vector<const InstanceDesc*>&, bool keep);
+    void draw(uint32_t geometry, uint32_t instance, const InstanceDesc&, std::size_t primitive);
+    void add(const std::vector<Source>&, bool keep); // keep: the primitives are needed again
+    Geometry geometry(PrimitiveDesc, const std::optional<Affine>& toWorld) const;
+    void count();
     void lights();
 
     SceneDesc desc_;
     Diagnostics& notes_;
+    const Executor* run_;
     std::unique_ptr<Scene> scene_;
     std::size_t top_ = 0; // geometries in world space
 };
@@ -149,9 +168,10 @@ uint32_t SceneCompiler::addMotion(MotionDesc maps) {
 
 void SceneCompiler::centre() {
     std::vector<Bounds> local(desc_.meshes.size());
-    for (std::size_t i = 0; i < local.size(); ++i)
+    inParallel(run_, local.size(), [&](uint64_t i) {
         for (const PrimitiveDesc& p : desc_.meshes[i].primitives)
             for (const Vec3& v : p.positions) local[i].add(cast<double>(v));
+    });
     Bounds world;
     for (const InstanceDesc& in : desc_.instances)
         if (const Bounds& b = local[in.mesh]; b.empty())
@@ -173,9 +193,10 @@ void SceneCompiler::centre() {
 }
 
 // Indices, winding and attributes of one primitive; with a map, in world space.
-Geometry SceneCompiler::geometry(PrimitiveDesc& p, const Affine* toWorld) {
+Geometry SceneCompiler::geometry(PrimitiveDesc p, const std::optional<Affine>& toWorld) const {
     Geometry g;
     g.positions = std::move(p.positions);
+    g.positions.reserve(g.positions.size() + 1);
     g.normals = std::move(p.normals);
     g.tangents = std::move(p.tangents);
     g.indices = std::move(p.indices);
@@ -206,36 +227,53 @@ Geometry SceneCompiler::geometry(PrimitiveDesc& p, const Affine* toWorld) {
     return g;
 }
 
+void SceneCompiler::draw(uint32_t geometry, uint32_t instance, const InstanceDesc& in, std::size_t primitive) {
+    const Geometry& g = scene_->geometries_[geometry];
+    scene_->parts_.push_back({geometry, instance, g.triangles(), g.material, uint32_t(&in - desc_.instances.data()), uint32_t(primitive)});
+}
+
+void SceneCompiler::add(const std::vector<Source>& sources, bool keep) {
+    const std::size_t first = scene_->geometries_.size();
+    scene_->geometries_.resize(first + sources.size());
+    inParallel(run_, sources.size(), [&](uint64_t i) {
+        PrimitiveDesc& p = *sources[i].primitive;
+        scene_->geometries_[first + i] = geometry(keep ? p : std::move(p), sources[i].toWorld);
+    });
+}
+
+// Meshes into world space, at the top level.
+void SceneCompiler::bake(const std::vector<const InstanceDesc*>& nodes, bool keep) {
+    std::vector<Source> sources;
+    auto index = uint32_t(scene_->geometries_.size());
+    for (const InstanceDesc* in : nodes)
+        for (PrimitiveDesc& p : desc_.meshes[in->mesh].primitives) sources.push_back({&p, moved(in->toWorld, scene_->centre_)});
+    add(sources, keep);
+    for (const InstanceDesc* in : nodes)
+        for (std::size_t k = 0; k < desc_.meshes[in->mesh].primitives.size(); ++k) draw(index++, Hit::none, *in, k);
+}
+
 void SceneCompiler::place() {
     // Nodes that flatten their mesh cannot be instances: a ray has no image under them. What moves must be one.
     std::vector<uint32_t> uses(desc_.meshes.size(), 0);
+    std::vector<const InstanceDesc*> flattened, single;
     for (const InstanceDesc& in : desc_.instances)
-        if (invertible(in.toWorld)) uses[in.mesh] += moves(in.motion) ? 2 : 1;
-    const auto draw = [&](uint32_t geometry, uint32_t instance, const InstanceDesc& in, std::size_t primitive) {
-        const Geometry& g = scene_->geometries_[geometry];
-        scene_->parts_.push_back(
-            {geometry, instance, g.triangles(), g.material, uint32_t(&in - desc_.instances.data()), uint32_t(primitive)});
-    };
-    const auto bake = [&](const InstanceDesc& in, bool last) { // last: nobody else needs the primitives
-        const Affine m = moved(in.toWorld, scene_->centre_);
-        std::vector<PrimitiveDesc>& primitives = desc_.meshes[in.mesh].primitives;
-        for (std::size_t k = 0; k < primitives.size(); ++k) {
-            PrimitiveDesc p = last ? std::move(primitives[k]) : primitives[k];
-            scene_->geometries_.push_back(geometry(p, &m));
-            draw(uint32_t(scene_->geometries_.size() - 1), Hit::none, in, k);
-        }
-    };
+        if (invertible(in.toWorld))
+            uses[in.mesh] += moves(in.motion) ? 2 : 1;
+        else
+            flattened.push_back(&in);
     for (const InstanceDesc& in : desc_.instances)
-        if (!invertible(in.toWorld)) bake(in, false);
-    for (const InstanceDesc& in : desc_.instances)
-        if (uses[in.mesh] == 1 && invertible(in.toWorld)) bake(in, true);
+        if (uses[in.mesh] == 1 && invertible(in.toWorld)) single.push_back(&in);
+    bake(flattened, true);
+    bake(single, false);
     top_ = scene_->geometries_.size();
     std::vector<uint32_t> first(desc_.meshes.size(), 0);
+    std::vector<Source> sources;
     for (std::size_t i = 0; i < desc_.meshes.size(); ++i) {
         if (uses[i] < 2) continue;
-        first[i] = uint32_t(scene_->geometries_.size());
-        for (PrimitiveDesc& p : desc_.meshes[i].primitives) scene_->geometries_.push_back(geometry(p, nullptr));
+        first[i] = uint32_t(top_ + sources.size());
+        for (PrimitiveDesc& p : desc_.meshes[i].primitives) sources.push_back({&p, {}});
     }
+    add(sources, false);
     for (const InstanceDesc& in : desc_.instances) {
         if (uses[in.mesh] < 2 || !invertible(in.toWorld)) continue;
         const Affine m = moved(in.toWorld, scene_->centre_);
@@ -249,12 +287,23 @@ void SceneCompiler::place() {
         for (uint32_t k = 0; k < instance.geometryCount; ++k) draw(instance.firstGeometry + k, uint32_t(scene_->instances_.size()), in, k);
         scene_->instances_.push_back(std::move(instance));
     }
+    count();
+    desc_.meshes = {};
+}
+
+void SceneCompiler::count() {
     SceneCounts& n = scene_->counts_;
     n.instances = desc_.instances.size();
-    for (const Geometry& g : scene_->geometries_) n.triangles += g.triangles();
+    for (const Geometry& g : scene_->geometries_) {
+        n.triangles += g.triangles();
+        n.bytes.geometry += bytesOf(g);
+    }
     for (std::size_t i = 0; i < top_; ++i) n.trianglesDrawn += scene_->geometries_[i].triangles();
     for (const Instance& in : scene_->instances_)
         for (uint32_t k = 0; k < in.geometryCount; ++k) n.trianglesDrawn += scene_->geometries_[in.firstGeometry + k].triangles();
+    n.bytes.placement = heldBy(scene_->instances_) + heldBy(scene_->parts_) + heldBy(scene_->geometries_);
+    for (const Instance& in : scene_->instances_) n.bytes.placement += heldBy(in.firstLights);
+    for (const Motion& m : scene_->motions_) n.bytes.placement += sizeof(Motion) + m.keys().size_bytes();
 }
 
 void SceneCompiler::lights() {
@@ -296,7 +345,7 @@ std::unique_ptr<const Scene> SceneCompiler::run(const std::string& isa) {
     centre();
     place();
     lights();
-    scene_->counts_.textureBytes = scene_->textures_.bytes();
+    scene_->counts_.bytes.textures = scene_->textures_.bytes();
     scene_->cameras_ = std::move(desc_.cameras);
     for (CameraDesc& c : scene_->cameras_) {
         c.toWorld = moved(c.toWorld, scene_->centre_);
@@ -306,13 +355,14 @@ std::unique_ptr<const Scene> SceneCompiler::run(const std::string& isa) {
     const Scene* self = scene_.get();
     scene_->accel_ = std::make_unique<Accel>(
         scene_->geometries_, top_, scene_->instances_, scene_->motions_, desc_.shutter,
-        [self](const Hit& h) { return self->opacity(self->attributes(h)); }, isa);
+        [self](const Hit& h) { return self->opacity(self->attributes(h)); }, isa, run_);
+    scene_->counts_.bytes.hierarchy = scene_->accel_->bytes();
     scene_->isa_ = scene_->accel_->isa();
     return std::move(scene_);
 }
 
-std::unique_ptr<const Scene> Scene::compile(SceneDesc desc, Diagnostics& notes, const std::string& isa) {
-    return SceneCompiler(std::move(desc), notes).run(isa);
+std::unique_ptr<const Scene> Scene::compile(SceneDesc desc, Diagnostics& notes, const std::string& isa, const Executor* run) {
+    return SceneCompiler(std::move(desc), notes, run).run(isa);
 }
 
 } // namespace chiaro

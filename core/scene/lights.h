@@ -1,5 +1,6 @@
 // Lights: every emitter of the scene behind one set of questions. Whoever samples a light learns with which density the other strategies
-// would have found the same path, so that weights can be formed (Veach and Guibas 1995). One alias table chooses in proportion to power.
+// would have found the same path, so that weights can be formed (Veach and Guibas 1995). Particles leave lights in proportion to power, by
+// an alias table; towards a point a light tree chooses (core/scene/light_tree.h), where there are more than a few.
 // Units: point and spot intensity cd, directional lux, emissive surfaces and environment cd/m2.
 #pragma once
 #include "core/math/distribution.h"
@@ -7,6 +8,7 @@
 #include "core/math/sampler.h"
 #include "core/render/events.h"
 #include "core/scene/desc.h"
+#include "core/scene/light_tree.h"
 #include <optional>
 #include <span>
 #include <string>
@@ -71,13 +73,15 @@ class Lights {
 public:
     static constexpr uint32_t none = ~0u;
 
-    // One light of all, in proportion to power. uPick: a number with 32 random bits (Sampler::getPick).
+    // One light of all: the environment by its share of the power; of the others about in proportion to what they bring to the point
+    // (byTree()), or where they are few to their power. uPick: a number with 32 random bits (Sampler::getPick).
     std::optional<LightSample> sampleTowards(const SurfacePoint& from, double uPick, Point2 u) const noexcept;
     // This light; pdfW without the choice.
     std::optional<LightSample> sampleOne(uint32_t light, const SurfacePoint& from, double uPick, Point2 u) const noexcept;
     uint32_t count() const noexcept;
     bool hasEnvironment() const noexcept { return environment_.has_value() && environment_->power > 0; }
-    float pmf(uint32_t light) const noexcept; // of choosing it
+    float pmf(uint32_t light) const noexcept;                          // of choosing it by power, as emit() does
+    float pmf(uint32_t light, const SurfacePoint& from) const noexcept; // of choosing it towards a point, as sampleTowards() does
     // Emission of a surface towards wo. from: where the ray came from, null for a camera.
     LightHit hit(const SurfacePoint& emitter, const Vec3& wo, const SurfacePoint* from) const noexcept;
     LightHit miss(const Ray&, const SurfacePoint* from) const noexcept;
@@ -98,6 +102,7 @@ public:
 private:
     friend class LightsBuilder;
     friend class SceneCompiler;
+    friend class WideLights; // core/scene/wide_lights.h
     struct Triangle {
         Vec3 p, e1, e2;
         float area = 0;
@@ -107,6 +112,15 @@ private:
         bool doubleSided = false;
         uint32_t motion = none; // of its instance; the corners above are then those of the mesh itself, unmoved, the area the mean one
     };
+    // What sampleTowards() looks up, for loops over lanes that do the same for many points at once.
+    bool byTree() const noexcept { return !tree_.empty(); }
+    float pickEnvironment() const noexcept { return pickEnvironment_; }
+    const AliasTable& byPower() const noexcept { return finite_; } // over the lights but the environment
+    std::span<const Triangle> triangles() const noexcept { return triangles_; }
+
+private:
+    friend class LightsBuilder;
+    friend class SceneCompiler;
     struct Punctual {
         PunctualKind kind = PunctualKind::point;
         Spectrum intensity;
@@ -141,6 +155,7 @@ private:
     std::optional<LightEmission> emitEnvironment(Point2 point, const PickAndPoint& uTowards, float time) const noexcept;
     // Emission of a hit on a triangle whose front and area at that time are these.
     LightHit found(const SurfacePoint& emitter, const Vec3& wo, const SurfacePoint* from, const Vec3& ng, float area) const noexcept;
+    Choice choose(const SurfacePoint&, double u, float uTest) const noexcept; // of the finite lights; pmf 0: none
     // Radiance from a direction, and the density of sampling it (w).
     Vec4 skyAt(const Vec3& direction) const noexcept;
     Spectrum emission(const SurfacePoint&) const noexcept;
@@ -151,6 +166,11 @@ private:
     std::optional<Environment> environment_;
     AliasTable finite_;         // over the triangles and the punctual lights
     float pickEnvironment_ = 0; // probability of the environment; the rest goes to the finite lights
+    // Towards a point: the tree holds what rests at a place, the table the others (directional, moving). Empty: finite_ chooses.
+    LightTree tree_;
+    AliasTable outside_;
+    std::vector<uint32_t> outsideLights_; // of the cells of outside_
+    float pickTree_ = 1;                  // probability of the tree among the finite lights
     double power_ = 0;
 };
 

@@ -150,7 +150,50 @@ void LightsBuilder::setEnvironment(const EnvironmentDesc& d, float sceneRadius) 
     lights_.environment_ = std::move(e);
 }
 
-void LightsBuilder::finish() {
+void LightsBuilder::plantTree(const Executor* run) {
+    std::vector<LightTree::Emitter> emitters;
+    std::vector<double> outside;
+    double inside = 0;
+    for (uint32_t i = 0; i < lights_.triangles_.size(); ++i) {
+        const Lights::Triangle& t = lights_.triangles_[i];
+        if (t.motion != Lights::none) {
+            lights_.outsideLights_.push_back(i);
+            outside.push_back(t.power);
+            continue;
+        }
+        const Vec3 q = t.p + t.e1, r = t.p + t.e2;
+        const Vec3 centre = Vec3{max(t.p.x, max(q.x, r.x)) + min(t.p.x, min(q.x, r.x)), max(t.p.y, max(q.y, r.y)) + min(t.p.y, min(q.y, r.y)),
+                                 max(t.p.z, max(q.z, r.z)) + min(t.p.z, min(q.z, r.z))} *
+                            0.5f;
+        const float radius = max(length(t.p - centre), max(length(q - centre), length(r - centre)));
+        emitters.push_back({centre, radius, t.ng, 1, 0, t.doubleSided, t.power / (pi * (t.doubleSided ? 2 : 1)), i});
+        inside += double(t.power);
+    }
+    for (uint32_t i = 0; i < lights_.punctual_.size(); ++i) {
+        const Lights::Punctual& l = lights_.punctual_[i];
+        const auto number = uint32_t(lights_.triangles_.size()) + i;
+        if (l.motion != Lights::none || l.kind == PunctualKind::directional) {
+            lights_.outsideLights_.push_back(number);
+            outside.push_back(l.power);
+            continue;
+        }
+        // A spot: clamp(cos * scale + offset)^2 is 1 within its inner cone and 0 beyond the outer.
+        const bool spot = l.kind == PunctualKind::spot;
+        const float inner = spot ? std::clamp((1 - l.offset) / l.scale, -1.f, 1.f) : -1, outer = spot ? std::clamp(-l.offset / l.scale, -1.f, 1.f) : 0;
+        const float reach = std::acos(outer) - std::acos(inner);
+        emitters.push_back({l.p, 0, l.axis, inner, spot ? std::cos(reach) : 0, false, luminance(l.intensity), number});
+        inside += l.power;
+    }
+    const char* few = getenv("CHIARO_FEW");
+    if (emitters.size() <= std::size_t(few ? atoi(few) : 0) || !(inside > 0)) return lights_.outsideLights_.clear();
+    lights_.tree_ = LightTree(emitters, lights_.count(), run);
+    lights_.outside_ = AliasTable(outside);
+    constexpr double least = 0x1p-10;
+    const double rest = lights_.outside_.sum();
+    lights_.pickTree_ = rest > 0 ? float(std::clamp(inside / (inside + rest), least, 1 - least)) : 1;
+}
+
+void LightsBuilder::finish(const Executor* run) {
     std::vector<double> power;
     for (const Lights::Triangle& t : lights_.triangles_) power.push_back(t.power);
     for (const Lights::Punctual& p : lights_.punctual_) power.push_back(p.power);
@@ -159,6 +202,7 @@ void LightsBuilder::finish() {
     lights_.power_ = lights_.finite_.sum() + sky;
     // Neither side may round to nothing: a lamp on a wide plain under the sky has less than 2^-24 of its power.
     constexpr double least = 0x1p-10;
+    plantTree(run);
     const double share = lights_.power_ > 0 ? sky / lights_.power_ : 0;
     lights_.pickEnvironment_ = share > 0 && share < 1 ? float(std::clamp(share, least, 1 - least)) : float(share);
 }

@@ -5,6 +5,8 @@
 
 namespace chiaro {
 
+class Executor;
+
 class LightsBuilder {
 public:
     // geometries, materials and textures of the scene must be in place; `lights` is the scene's own, emission look-ups go through it.
@@ -14,9 +16,10 @@ public:
     // motion: of the scene, Lights::none at rest.
     void addPunctual(const PunctualDesc&, const Vec3d& centre, float sceneRadius, uint32_t motion);
     void setEnvironment(const EnvironmentDesc&, float sceneRadius);
-    void finish(); // the alias tables
+    void finish(const Executor* run = nullptr); // the tables and the tree
 
 private:
+    void plantTree(const Executor*);
     double meanEmission(const Lights::Triangle&) const;
     const Scene& scene_;
     Lights& lights_;

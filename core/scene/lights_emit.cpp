@@ -129,7 +129,7 @@ EmissionPdf Lights::emissionPdf(const SurfacePoint& emitter, const Vec3& wo, con
     d.pmf = pmf(emitter.light);
     d.pdfA = 1 / t.area;
     d.pdfW = cosineHemispherePdfW(std::fabs(cosine)) * (t.doubleSided ? 0.5f : 1.f);
-    if (to) d.pdfDirectW = d.pmf * areaToSolidAngle(d.pdfA, lengthSquared(emitter.p - to->p), cosine);
+    if (to) d.pdfDirectW = pmf(emitter.light, *to) * areaToSolidAngle(d.pdfA, lengthSquared(emitter.p - to->p), cosine);
     return d;
 }
 

@@ -18,4 +18,13 @@ struct alignas(64) RayPacket {
     Ray ray(std::size_t k) const noexcept { return {{ox[k], oy[k], oz[k]}, tnear[k], {dx[k], dy[k], dz[k]}, tfar[k], time[k]}; }
 };
 
+// What such a packet met, as arrays of Hit's members; geometry Hit::none where a ray met nothing.
+struct alignas(64) HitPacket {
+    static constexpr std::size_t size = RayPacket::size;
+    uint32_t geometry[size], triangle[size], instance[size];
+    float u[size], v[size], t[size];
+
+    Hit hit(std::size_t k) const noexcept { return {geometry[k], triangle[k], instance[k], u[k], v[k], t[k]}; }
+};
+
 } // namespace chiaro

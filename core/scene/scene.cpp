@@ -47,6 +47,8 @@ Hit Scene::intersect(const Ray& r) const noexcept { return accel_->intersect(r);
 void Scene::intersect(std::span<const Ray> r, std::span<Hit> h, bool coherent) const noexcept { accel_->intersect(r, h, coherent); }
 Hit Scene::firstSurface(const Ray& r) const noexcept { return accel_->firstSurface(r); }
 void Scene::intersect(const RayPacket& r, std::span<Hit> h, bool coherent) const noexcept { accel_->intersect(r, h, coherent); }
+void Scene::intersect(const RayPacket& r, HitPacket& h, uint32_t n, bool coherent) const noexcept { accel_->intersect(r, h, n, coherent); }
+uint32_t Scene::occluded(const RayPacket& r, uint32_t n) const noexcept { return accel_->occluded(r, n); }
 bool Scene::occluded(const Ray& r) const noexcept { return accel_->occluded(r); }
 void Scene::occluded(std::span<const Ray> r, std::span<uint8_t> a) const noexcept { accel_->occluded(r, a); }
 void Scene::occluded(const RayPacket& r, std::span<uint8_t> a) const noexcept { accel_->occluded(r, a); }

@@ -6,6 +6,7 @@
 #include "core/scene/desc.h"
 #include "core/scene/lights.h"
 #include "core/scene/motion.h"
+#include "core/scene/scene_bytes.h"
 #include "core/scene/texture.h"
 #include <array>
 #include <memory>
@@ -15,7 +16,9 @@ namespace chiaro {
 
 class Accel;
 class Diagnostics;
+class Executor;
 struct FlatTriangle;
+struct HitPacket;
 struct RayPacket;
 struct Geometry;
 struct Instance;
@@ -51,14 +54,14 @@ struct DrawnPart {
 
 struct SceneCounts {
     uint64_t triangles = 0, trianglesDrawn = 0, instances = 0, emissiveTriangles = 0, punctualLights = 0, emissiveMeshes = 0;
-    std::size_t textureBytes = 0;
+    SceneBytes bytes;
 };
 
 class Scene {
 public:
     // Throws Error (Exit::unsupported, Exit::resources). isa names Embree's instruction set ("sse2", "sse4.2", "avx", "avx2", "avx512"),
-    // empty: the best.
-    static std::unique_ptr<const Scene> compile(SceneDesc, Diagnostics&, const std::string& isa = {});
+    // empty: the best. run: builds on its threads, null: on this one; the scene is the same to the last bit.
+    static std::unique_ptr<const Scene> compile(SceneDesc, Diagnostics&, const std::string& isa = {}, const Executor* run = nullptr);
     ~Scene();
 
     Hit intersect(const Ray&) const noexcept;
@@ -67,6 +70,9 @@ public:
     void intersect(const RayPacket&, std::span<Hit>, bool coherent) const noexcept; // core/scene/ray_packet.h
     // The nearest surface of any opacity above zero, where intersect() passes a surface with probability 1 - opacity.
     Hit firstSurface(const Ray&) const noexcept;
+    // Of the first rays of a packet: their hits as arrays; which of them are stopped, one bit a ray (core/scene/ray_packet.h).
+    void intersect(const RayPacket&, HitPacket&, uint32_t count, bool coherent) const noexcept;
+    uint32_t occluded(const RayPacket&, uint32_t count) const noexcept;
     bool occluded(const Ray&) const noexcept;
     void occluded(std::span<const Ray>, std::span<uint8_t> answers) const noexcept;
     void occluded(const RayPacket&, std::span<uint8_t> answers) const noexcept;
@@ -106,6 +112,7 @@ public:
 
 private:
     friend class SceneCompiler;
+    friend class WideSurfaces; // core/scene/wide_surfaces.h
     Scene();
     std::string name_, isa_;
     std::vector<MaterialDesc> materials_;

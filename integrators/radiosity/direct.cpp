@@ -34,7 +34,7 @@ public:
             }
             if (hits_) hemisphere(patch, base, begin, n, sum);
         }
-        return sum * (1 / double(rays_));
+        return sum * (1 / (double(rays_) * double(patches_[patch].open))); // none arrives where it is not open
     }
 
 private:

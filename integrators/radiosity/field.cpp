@@ -8,6 +8,8 @@ namespace {
 
 constexpr uint32_t mostApart = 64;
 constexpr uint64_t perChunk = 256;
+constexpr int rounds = 3;             // that give back to the patches what interpolating took
+constexpr float leastOpen = 1 / 64.f; // what is less open than that says nothing to its neighbours
 
 // Which patches stand at which point.
 struct Corners {
@@ -45,9 +47,10 @@ Slope slopeOf(const Patches& patches, const Corners& corners, const std::vector<
     s.least = s.most = values[i];
     for (uint32_t c = 0; c < p.corners; ++c)
         for (const uint32_t j : corners.at(p.vertex[c])) {
-            if (j == i) continue;
+            if (j == i || patches[j].open < leastOpen) continue;
             const Vec3 way = patches[j].centre - p.centre;
-            const double x = double(dot(way, frame.x)), y = double(dot(way, frame.y)), w = 1 / std::max(x * x + y * y, 1e-30);
+            const double x = double(dot(way, frame.x)), y = double(dot(way, frame.y)),
+                         w = double(patches[j].open) / std::max(x * x + y * y, 1e-30);
             xx += w * x * x;
             xy += w * x * y;
             yy += w * y * y;
@@ -66,6 +69,15 @@ Slope slopeOf(const Patches& patches, const Corners& corners, const std::vector<
     s.least = s.least - reach;
     s.most = s.most + reach;
     return s;
+}
+
+// The centre of what is open, in coordinates of the patch (of the parallelogram of its first corner).
+Point2 middle(const Patch& p) noexcept {
+    if (p.open == 1) return p.corners == 4 ? Point2{0.5f, 0.5f} : Point2{1 / 3.f, 1 / 3.f};
+    const Vec3 e1 = p.corner[1] - p.corner[0], e2 = p.corner[p.corners - 1] - p.corner[0], d = p.centre - p.corner[0];
+    const float a = lengthSquared(e1), b = dot(e1, e2), c = lengthSquared(e2), det = a * c - b * b;
+    if (!(det > 0)) return {0.5f, 0.5f};
+    return {clamp01((dot(d, e1) * c - dot(d, e2) * b) / det), clamp01((dot(d, e2) * a - dot(d, e1) * b) / det)};
 }
 
 template <class F> void forAll(const Executor& run, uint64_t n, F&& one) {
@@ -93,35 +105,56 @@ void Field::interpolate(const Executor& run, const Patches& patches) {
     std::vector<Vec3> places(patches.points());
     for (const Patch& p : patches.all())
         for (uint32_t c = 0; c < p.corners; ++c) places[p.vertex[c]] = p.corner[c];
+    // Mean over the patches that stand at a point, the nearer the more, the more open the more.
+    const auto meanAt = [&](uint32_t point, auto&& value) {
+        Spectrum sum(0);
+        float weights = 0;
+        for (const uint32_t i : corners.at(point)) {
+            if (patches[i].open < leastOpen) continue;
+            const Vec3 way = places[point] - patches[i].centre;
+            const float w = patches[i].open / max(length(way), std::numeric_limits<float>::min());
+            sum += value(i, way) * w;
+            weights += w;
+        }
+        return weights > 0 ? sum * (1 / weights) : sum;
+    };
     std::vector<Slope> slopes(patches.size());
+    std::vector<Spectrum> missing(patches.size());
     for (std::size_t term = 0; term < constant_.size(); ++term) {
         const std::vector<Spectrum>& values = constant_[term];
         forAll(run, patches.size(), [&](uint32_t i) { slopes[i] = slopeOf(patches, corners, values, i); });
         forAll(run, patches.points(), [&](uint32_t point) {
-            Spectrum sum(0);
-            float weights = 0;
-            for (const uint32_t i : corners.at(point)) {
-                const Vec3 way = places[point] - patches[i].centre;
-                const float w = 1 / max(length(way), std::numeric_limits<float>::min());
+            atPoints_[term][point] = meanAt(point, [&](uint32_t i, const Vec3& way) {
                 const Slope& s = slopes[i];
                 Spectrum v;
                 for (std::size_t c = 0; c < 3; ++c)
                     v[c] = max(std::clamp(values[i][c] + dot(s.gradient[c], way), s.least[c], s.most[c]), 0.f);
-                sum += v * w;
-                weights += w;
-            }
-            if (weights > 0) atPoints_[term][point] = sum * (1 / weights);
+                return v;
+            });
         });
+        for (int round = 0; round < rounds; ++round) {
+            forAll(run, patches.size(), [&](uint32_t i) {
+                const Point2 at = middle(patches[i]);
+                missing[i] = values[i] - between(patches[i], uint32_t(term), at.x, at.y);
+            });
+            forAll(run, patches.points(), [&](uint32_t point) {
+                const Spectrum more = meanAt(point, [&](uint32_t i, const Vec3&) { return missing[i]; });
+                Spectrum& v = atPoints_[term][point];
+                for (std::size_t c = 0; c < 3; ++c) v[c] = max(v[c] + more[c], 0.f);
+            });
+        }
     }
 }
 
-Spectrum Field::interpolated(const Patches& patches, uint32_t term, const Patches::Place& at) const noexcept {
-    const Patch& p = patches[at.patch];
+Spectrum Field::between(const Patch& p, uint32_t term, float s, float t) const noexcept {
     const std::vector<Spectrum>& v = atPoints_[term];
-    const float s = at.s, t = at.t;
     if (p.corners == 3) return v[p.vertex[0]] * (1 - s - t) + v[p.vertex[1]] * s + v[p.vertex[2]] * t;
     return v[p.vertex[0]] * ((1 - s) * (1 - t)) + v[p.vertex[1]] * (s * (1 - t)) + v[p.vertex[2]] * (s * t) +
            v[p.vertex[3]] * ((1 - s) * t);
+}
+
+Spectrum Field::interpolated(const Patches& patches, uint32_t term, const Patches::Place& at) const noexcept {
+    return between(patches[at.patch], term, at.s, at.t);
 }
 
 void Field::save(Writer& to) const {

@@ -1,8 +1,9 @@
 // The diffuse field of a solution, as it is looked up: irradiance at a point of a surface, by the number of scatterings that the light has
 // behind it. Constant over a patch, or interpolated from values at the points that neighbours share: at such a point the mean of what the
 // planes of its patches say there, each fitted to the patch and its neighbours by least squares. So linear light is met exactly, at the
-// edges of walls too, and nothing gets far beyond what the neighbours have. Which terms must be told apart is a question to the path
-// classes: the layers of L D, L D D, L D D D ... as the eye paths ask for them.
+// edges of walls too, and nothing gets far beyond what the neighbours have. Then the points are moved until the middles of the patches have
+// again what the solution says, so that interpolating neither makes nor takes light. Which terms must be told apart is a question to the
+// path classes: the layers of L D, L D D, L D D D ... as the eye paths ask for them.
 #pragma once
 #include "core/render/archive.h"
 #include "core/render/path_classes.h"
@@ -25,6 +26,7 @@ public:
 
 private:
     void interpolate(const Executor&, const Patches&);
+    Spectrum between(const Patch&, uint32_t term, float s, float t) const noexcept;
     std::vector<std::vector<Spectrum>> constant_, atPoints_; // by term, then by patch or by point
 };
 

@@ -51,7 +51,7 @@ double FormFactors::unoccluded(const Vec3& p, const Vec3& normal, std::span<cons
 
 double FormFactors::unoccluded(uint32_t i, uint32_t j) const noexcept {
     const Patch &a = patches_[i], &b = patches_[j];
-    return i == j ? 0 : polygonExchange(a, b) / double(a.area) * double(a.coverage) * double(b.coverage);
+    return i == j ? 0 : polygonExchange(a, b) / double(a.area) * double(a.coverage * a.open) * double(b.coverage * b.open);
 }
 
 double FormFactors::visibility(uint32_t i, uint32_t j, uint32_t rays, uint32_t salt) const noexcept {
@@ -88,7 +88,9 @@ void FormFactors::analyticRow(uint32_t i, std::vector<Factor>& row) const {
     for (uint32_t j = 0; j < patches_.size(); ++j) {
         const double f = unoccluded(i, j);
         if (!(f > 1e-15)) continue;
-        const double seen = settings_.shadowRays == 0 ? 1 : visibility(i, j, settings_.shadowRays, 0);
+        const double seen = settings_.shadowRays == 0
+                                ? 1
+                                : visibility(i, j, settings_.shadowRays, 0) / (double(patches_[i].open) * double(patches_[j].open));
         if (seen > 0) row.push_back({j, float(f * seen)});
     }
 }
@@ -101,6 +103,7 @@ void FormFactors::hemicubeRow(uint32_t i, std::vector<Factor>& row) const {
     RayPacket rays{};
     std::array<Hit, width> hits;
     const uint32_t points = std::max(1u, settings_.points), pixels = hemicube_->pixels();
+    double closed = 0; // of the pixels, at points where the patch is not open
     for (uint32_t k = 0; k < points; ++k) {
         // Turned at random: where walls run along the cube's edges its pixels would err all in the same way.
         Sampler numbers = sampler.at(k);
@@ -118,11 +121,14 @@ void FormFactors::hemicubeRow(uint32_t i, std::vector<Factor>& row) const {
             for (uint32_t l = 0; l < n; ++l) {
                 if (!hits[l]) continue;
                 const uint32_t j = patches_.seen(hits[l], {rays.dx[l], rays.dy[l], rays.dz[l]});
-                if (j != ~0u && j != i) sums.add(j, double((*hemicube_)[first + l].factor));
+                if (j == ~0u)
+                    closed += patches_.unlit(hits[l]) ? double((*hemicube_)[first + l].factor) : 0;
+                else if (j != i)
+                    sums.add(j, double((*hemicube_)[first + l].factor));
             }
         }
     }
-    sums.drain(1.0 / points, row);
+    sums.drain(1 / std::max(points - closed, 1e-3), row);
 }
 
 } // namespace chiaro::radiosity

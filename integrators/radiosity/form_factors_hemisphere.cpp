@@ -13,16 +13,20 @@ void FormFactors::hemisphereRow(uint32_t i, uint32_t rays, uint32_t salt, std::v
     const uint32_t batches = std::max(1u, (rays + width - 1) / width);
     RayPacket packet;
     std::array<Hit, width> hits;
+    uint32_t closed = 0; // rays from where the patch is not open
     for (uint32_t b = 0; b < batches; ++b) {
         source.fill(b * width, packet);
         work_.scene.intersect(packet, hits, false);
         for (uint32_t k = 0; k < width; ++k) {
             if (!hits[k]) continue;
             const uint32_t j = patches_.seen(hits[k], {packet.dx[k], packet.dy[k], packet.dz[k]});
-            if (j != ~0u && j != i) sums.add(j, 1);
+            if (j == ~0u)
+                closed += patches_.unlit(hits[k]);
+            else if (j != i)
+                sums.add(j, 1);
         }
     }
-    sums.drain(1.0 / (double(batches) * width), row);
+    sums.drain(1.0 / std::max(1u, batches * width - closed), row);
 }
 
 } // namespace chiaro::radiosity

@@ -68,16 +68,18 @@ void MatrixBuilder::probe() {
         const PatchRays source(patches_[i], sampler, patches_.time());
         RayPacket rays;
         std::array<Hit, RayPacket::size> hits;
-        uint32_t out = 0, met = 0;
+        uint32_t out = 0, met = 0, counted = probes;
         for (uint32_t first = 0; first < probes; first += RayPacket::size) {
             source.fill(first, rays);
             work_.scene.intersect(rays, hits, false);
             for (std::size_t k = 0; k < hits.size(); ++k) {
                 out += !hits[k];
-                met += hits[k] && patches_.seen(hits[k], {rays.dx[k], rays.dy[k], rays.dz[k]}) != ~0u;
+                const bool patch = hits[k] && patches_.seen(hits[k], {rays.dx[k], rays.dy[k], rays.dz[k]}) != ~0u;
+                met += patch;
+                counted -= !patch && patches_.unlit(hits[k]);
             }
         }
-        met_[i] = double(met) / probes;
+        met_[i] = double(met) / std::max(counted, 1u);
         lost += out;
     });
     closed_ = double(lost) <= leak * probes * double(patches_.size());

@@ -1,6 +1,7 @@
 // From the mesh to the patches: how large, which sides, cut, measured, numbered.
 #include "core/math/sobol.h"
 #include "core/math/warp.h"
+#include "integrators/radiosity/patch_open.h"
 #include "integrators/radiosity/patch_points.h"
 #include "integrators/radiosity/patch_sides.h"
 #include "integrators/radiosity/patch_surface.h"
@@ -23,6 +24,7 @@ private:
     // Segments of every strand for a size; then the cells of all facets and sides, as far as `most` or a little beyond.
     void segment(float size);
     uint64_t count(float size, uint64_t enough);
+    double weigh(float size, double enough);
     float sizeFor(uint64_t wanted);
     std::array<uint32_t, 4> segmentsOfFacet(const Facet&) const;
     void layOut(float size, Patches&, Patches::Table&);
@@ -31,7 +33,7 @@ private:
     void measure(uint32_t facet, const Cut&, std::span<Patch> front, std::span<Patch> back) const;
     void compactPoints(Patches&) const;
     void indexParts(Patches::Table&) const;
-    void tell(const Patches&) const;
+    void tell(const Patches&, const Patches::Table&, float size) const;
 
     const Work& work_;
     PatchSettings settings_;
@@ -84,25 +86,41 @@ uint64_t PatchBuilder::count(float size, uint64_t enough) {
     return cells;
 }
 
-// The size that gives so many patches, by bisection of its logarithm; the nearest count that was met.
+// As count(), but what is smaller than a patch of that size counts by its area: a thousand triangles of a chair do not keep a wall whole.
+double PatchBuilder::weigh(float size, double enough) {
+    segment(size);
+    const double usual = 0.5 * double(size) * double(size);
+    double sum = 0;
+    for (std::size_t i = 0; i < mesh_.facets.size() && sum <= enough; ++i) {
+        const Facet& f = mesh_.facets[i];
+        const std::array<Vec3, 4> c = corners(f);
+        const double area = double(length(cross(c[1] - c[0], c[2] - c[0]))) / (f.corners == 4 ? 1 : 2), sides = backs_[i] ? 2 : 1;
+        if (area > enough * 2 * usual) return enough + 1; // a bound before anything is cut
+        const uint64_t cells = cellsOf(f, c, segmentsOfFacet(f), size, nullptr);
+        sum += sides * (cells > 1 ? double(cells) : std::min(1.0, area / usual));
+    }
+    return sum;
+}
+
+// The size that gives so many patches, by bisection of its logarithm; the nearest that was met.
 float PatchBuilder::sizeFor(uint64_t wanted) {
     float longest = 0;
     for (const PatchMesh::Edge& e : mesh_.edges) longest = max(longest, lengthOf(e));
     if (!(longest > 0)) return 1;
     float large = longest * 1.001f, small = large, best = large;
-    uint64_t nearest = count(large, settings_.most);
-    if (nearest >= wanted) return large;
-    const auto difference = [wanted](uint64_t n) { return n > wanted ? n - wanted : wanted - n; };
+    double nearest = weigh(large, double(settings_.most));
+    if (nearest >= double(wanted)) return large;
+    const auto difference = [wanted](double n) { return std::fabs(n - double(wanted)); };
     const auto meet = [&](float size) {
-        const uint64_t n = count(size, 4 * wanted + 1000);
+        const double n = weigh(size, 4 * double(wanted) + 1000);
         if (difference(n) < difference(nearest)) nearest = n, best = size;
         return n;
     };
     do small /= 2;
-    while (meet(small) < wanted && small > longest * 1e-6f);
-    for (int i = 0; i < 16 && difference(nearest) * 50 > wanted; ++i) {
+    while (meet(small) < double(wanted) && small > longest * 1e-6f);
+    for (int i = 0; i < 16 && difference(nearest) * 50 > double(wanted); ++i) {
         const float middle = std::sqrt(small * large);
-        (meet(middle) < wanted ? large : small) = middle;
+        (meet(middle) < double(wanted) ? large : small) = middle;
     }
     return best;
 }
@@ -290,14 +308,18 @@ void PatchBuilder::indexParts(Patches::Table& table) const {
     table.facetOf = mesh_.facetOf;
 }
 
-void PatchBuilder::tell(const Patches& patches) const {
+void PatchBuilder::tell(const Patches& patches, const Patches::Table& table, float size) const {
     const auto backs = std::count_if(patches.patches_.begin(), patches.patches_.end(), [](const Patch& p) { return p.other != ~0u; }) / 2;
     work_.notes.tell(
         "patches", fmt::format("{} of {:.3g} m at most, {} of them backs that light reaches", patches.size(), patches.longestEdge_, backs));
+    const auto whole = std::count_if(table.facets.begin(), table.facets.end(), [](const Patches::Table::Cells& c) {
+        return c.kind != CutKind::bisected && c.segments[0] == 1 && c.segments[1] == 1;
+    });
     if (settings_.size == 0 && patches.size() > 1.5 * settings_.count)
         work_.notes.tell("patches",
-                         fmt::format("more than the {} asked for, since a patch is no larger than a triangle; a size cuts the large ones",
-                                     settings_.count));
+                         fmt::format("more than the {} asked for: {} of {} triangles and flat pairs of them are smaller than the "
+                                     "{:.3g} m to which the large ones are cut, and stay whole",
+                                     settings_.count, whole, table.facets.size(), size));
     if (mesh_.degenerate) work_.notes.tell("patches", fmt::format("{} degenerate triangles left out", mesh_.degenerate));
     if (!mesh_.moving.empty())
         work_.notes.warn(fmt::format("radiosity takes things that move where they are when the shutter opens: {} of {} parts of the scene",
@@ -327,7 +349,15 @@ Patches PatchBuilder::build() {
         for (uint32_t k = 0; k < p.corners; ++k)
             patches.longestEdge_ = max(patches.longestEdge_, length(p.corner[(k + 1) % p.corners] - p.corner[k]));
     patches.table_ = table;
-    tell(patches);
+    patches.lit_ = work_.scene.lights().count() > 0;
+    const std::vector<Open> open = openParts(work_, patches);
+    for (std::size_t i = 0; i < open.size(); ++i) {
+        Patch& p = patches.patches_[i];
+        p.open = open[i].share;
+        p.area *= open[i].share;
+        p.centre = open[i].centre;
+    }
+    tell(patches, *table, size);
     return patches;
 }
 

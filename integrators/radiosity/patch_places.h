@@ -23,8 +23,10 @@ struct PatchPlaces {
             share = lower / (lower + upper);
         }
         // The centre is at least a third of the height over the longest edge away from every edge.
-        const float height = p.area / p.coverage / std::sqrt(longest), pull = min(0.5f, 24 * p.error / height), rest = 1 - pull;
-        origin = p.corner[0] + (p.centre - p.corner[0]) * pull;
+        const float height = p.area / (p.coverage * p.open) / std::sqrt(longest), pull = min(0.5f, 24 * p.error / height), rest = 1 - pull;
+        Vec3 centre{};
+        for (uint32_t k = 0; k < p.corners; ++k) centre += p.corner[k] * (1 / float(p.corners));
+        origin = p.corner[0] + (centre - p.corner[0]) * pull;
         first = e1 * rest, second = e2 * rest, diagonal = d * rest;
     }
     [[gnu::always_inline]] Vec3 at(float x, float y) const noexcept {

@@ -7,6 +7,8 @@ namespace chiaro::radiosity {
 namespace {
 
 constexpr uint64_t mostRays = 4'000'000;
+constexpr uint32_t walks = 128, steps = 24;                          // of light, from a back
+constexpr float touching = 5e-3f;                                    // of the extent of a surface
 constexpr uint32_t leastRays = 16, usualRays = 512, raysOfFacet = 1; // of one side of a surface
 
 struct Component {
@@ -40,6 +42,8 @@ private:
     void connect();
     void look(uint32_t side, uint32_t rays);
     std::vector<uint8_t> spread() const;
+    bool lightArrives(uint32_t side) const;
+    bool walk(uint32_t side, Sampler, bool& near) const;
     bool shines(uint32_t side) const;
     SurfacePoint start(uint32_t side, Sampler&) const;
     uint32_t sideOf(const Hit& hit, const Vec3& direction) const;
@@ -135,6 +139,40 @@ bool Flood::shines(uint32_t side) const {
     return m.unlit || (!black(m.emission) && (side % 2 == 0 || m.doubleSided));
 }
 
+// Does a walk of diffuse light that goes on for ever come to a light? near: it began against another surface.
+bool Flood::walk(uint32_t side, Sampler sampler, bool& near) const {
+    const Scene& scene = work_.scene;
+    SurfacePoint p = start(side, sampler);
+    Vec3 n = side % 2 ? -p.ng : p.ng;
+    for (uint32_t step = 0; step < steps; ++step) {
+        const double pick = sampler.getPick();
+        const auto light = scene.lights().sampleTowards(p, pick, sampler.get2D());
+        const bool lit = light && !black(light->radiance) && dot(light->wi, n) > 0 && !scene.occluded(light->shadow);
+        const Ray ray = p.towards(Frame::about(n).toWorld(cosineHemisphere(sampler.get2D())));
+        const Hit hit = scene.intersect(ray);
+        if (step == 0) near = hit && hit.t < touching * std::sqrt(float(components_[side / 2].area.back()));
+        if (lit) return true;
+        if (!hit) return bool(scene.lights().miss(ray, nullptr));
+        p = scene.point(hit, ray);
+        if (scene.lights().hit(p, -ray.d, nullptr)) return true;
+        const uint32_t met = sideOf(hit, ray.d);
+        if (met == ~0u || !components_[met / 2].reflects) return false;
+        n = met % 2 ? -p.ng : p.ng;
+    }
+    return false;
+}
+
+bool Flood::lightArrives(uint32_t side) const {
+    uint32_t arrived = 0, near = 0;
+    for (uint32_t w = 0; w < walks; ++w) {
+        bool close = false;
+        arrived += walk(side, Sampler(0, SamplerKind::sobol, Stream::prepass, hashCombine(0x3a1c5, side), w), close);
+        near += close;
+        if (arrived > 0 && near * 10 < (w + 1) * 8 && w >= 15) return true;
+    }
+    return arrived > 0 && near * 10 < walks * 9;
+}
+
 std::vector<uint8_t> Flood::spread() const {
     const std::size_t sides = look_.size();
     std::vector<std::vector<uint32_t>> seenBy(sides);
@@ -161,6 +199,14 @@ std::vector<uint8_t> Flood::spread() const {
         }
     }
     const bool dark = work_.scene.lights().count() == 0;
+    if (!dark)
+        work_.run.chunks(
+            components_.size(),
+            [&](uint64_t c) {
+                const uint32_t back = uint32_t(c) * 2 + 1;
+                if (reached[back] && !shines(back)) reached[back] = lightArrives(back);
+            },
+            &work_.stop);
     std::vector<uint8_t> backs(mesh_.facets.size());
     for (uint32_t f = 0; f < mesh_.facets.size(); ++f) {
         const uint32_t side = componentOf_[f] * 2 + 1;

@@ -125,7 +125,9 @@ void tellMaterials(const Scene& scene, Diagnostics& notes) {
             coated.add(m);
     }
     if (blockers.count)
-        notes.warn(fmt::format("radiosity carries diffuse light only: of the materials, {} block light and pass none on", blockers.text()));
+        notes.warn(fmt::format("radiosity carries diffuse light only: of the materials, {} block light, pass none on and are black to look "
+                               "at; -i whitted --prepass radiosity shows them",
+                               blockers.text()));
     if (mixed.count)
         notes.warn(
             fmt::format("radiosity carries diffuse light only: of the materials, {} take part by their diffuse share", mixed.text()));

@@ -4,7 +4,9 @@
 // material is double-sided and the back sees something).
 // Cuts are conforming: surfaces that share an edge share the points on it (no T-junctions), whether or not their vertices are shared, so
 // that radiosity can be interpolated without seams. Pairs of triangles that form a flat quadrilateral with nearly equal opposite edges stay
-// together as one. Only diffuse reflection takes part: reflectance is the diffuse part of the closure, averaged over the patch (textures
+// together as one. Where another body stands on a surface, or runs through it, light reaches a part of a patch alone: what lies against the
+// body, or inside it, does not count; area and all means are those of the open part, as if the patch ended at the line of contact. Only
+// diffuse reflection takes part: reflectance is the diffuse part of the closure, averaged over the patch (textures
 // included) and over directions; what else a surface does, it does as a blocker. What an alpha mask cuts away is not there: area is that of
 // the matter, and reflectance and emission are means over it; so form factors stay reciprocal.
 // Units: metres, square metres, lux and lumen per square metre.
@@ -17,9 +19,10 @@ struct Patch {
     std::array<Vec3, 4> corner;       // counter-clockwise seen from the front of the patch
     std::array<uint32_t, 4> vertex{}; // their numbers among the points of the mesh of patches, shared by smooth neighbours of one material
     uint32_t corners = 3;             // 3, or 4 of a convex quadrilateral
-    Vec3 centre, normal;              // normal: towards the side that the patch is
-    float area = 0;                   // of its matter
+    Vec3 centre, normal;              // centre: of the corners, or of the open part; normal: towards the side that the patch is
+    float area = 0;                   // of its matter, as far as it is open
     float coverage = 1;               // of its polygon by matter: below 1 under an alpha mask
+    float open = 1;                   // share of its polygon that light can reach: below 1 where other bodies stand on it
     uint32_t part = 0;                // of Scene::parts()
     uint32_t other = ~0u;             // the patch on the back of it; ~0: none
     Spectrum reflectance{0};          // diffuse, [0, 1)
@@ -65,6 +68,9 @@ public:
     std::optional<Place> at(const Hit&, bool front) const noexcept;
     // The patch that a ray of this direction meets there, ~0: none. What a loop over the hits of many rays needs, and no more.
     uint32_t seen(const Hit&, const Vec3& direction) const noexcept;
+    // Whether a ray that met this, and seen() knew no patch there, met a side that light never reaches: then it left from where the patch
+    // is not open, inside of something, and counts for nothing. (Of a scene without lights nobody knows.)
+    bool unlit(const Hit& hit) const noexcept { return lit_ && bool(hit); }
     Vec3 point(uint32_t patch, Point2 uniform) const noexcept; // uniform over its polygon, clear of its edges by the rounding error
 
 private:
@@ -74,6 +80,7 @@ private:
     std::shared_ptr<const Table> table_; // from hits to patches
     uint32_t points_ = 0;
     float longestEdge_ = 0, time_ = 0;
+    bool lit_ = false; // the scene has lights: backs that are no patch are those that no light reaches
 };
 
 } // namespace chiaro::radiosity

@@ -18,7 +18,8 @@ SolveSettings solveSettings(const Options& o) {
                : solver == "shoot"        ? Solver::shoot
                : solver == "hierarchical" ? Solver::hierarchical
                : solver == "stochastic"   ? Solver::stochastic
-                                          : Solver::gaussSeidel;
+               : solver == "gauss-seidel" ? Solver::gaussSeidel
+                                          : Solver::automatic;
     const bool shoot = s.solver == Solver::shoot;
     s.factors.method = factors == "analytic" || (factors == "auto" && shoot) ? FormFactorMethod::analytic
                        : factors == "hemicube"                               ? FormFactorMethod::hemicube
@@ -44,8 +45,8 @@ void tell(const Work& work, const Patches& patches, const PatchSettings& p, cons
     constexpr const char* names[] = {"gauss-seidel", "jacobi", "direct", "shoot", "hierarchical", "stochastic"};
     const std::string chosen = p.size > 0 ? "" : fmt::format("      keep it with: {}:size={:.4g}", typed, patches.longestEdge());
     work.notes.tell("radiosity", fmt::format("{} patches of up to {:.3g} m{}", patches.size(), patches.longestEdge(), chosen));
-    std::string text =
-        fmt::format("{}: {} {}", names[int(s.solver)], out.residuals.size(), s.solver == Solver::shoot ? "steps" : "iterations");
+    const Solver solver = solverFor(s.solver, patches.size());
+    std::string text = fmt::format("{}: {} {}", names[int(solver)], out.residuals.size(), solver == Solver::shoot ? "steps" : "iterations");
     if (!out.residuals.empty()) text += fmt::format(", residual {:.2g}", out.residuals.back());
     if (out.factors > 0) text += fmt::format(", {} form factors", out.factors);
     if (out.links > 0) text += fmt::format(", {} links", out.links);
@@ -55,7 +56,7 @@ void tell(const Work& work, const Patches& patches, const PatchSettings& p, cons
         const auto [least, most] = std::minmax_element(out.rowSums.begin(), out.rowSums.end());
         work.notes.tell("radiosity", fmt::format("form factors of a patch add up to {:.4f} to {:.4f} (closed: 1)", *least, *most));
     }
-    if (out.residuals.size() > 1 && s.solver != Solver::shoot) {
+    if (out.residuals.size() > 1 && solver != Solver::shoot) {
         std::string series;
         for (std::size_t i = 0; i < std::min<std::size_t>(out.residuals.size(), 12); ++i)
             series += fmt::format("{}{:.2g}", i == 0 ? "" : " ", out.residuals[i]);

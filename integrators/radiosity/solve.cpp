@@ -80,7 +80,14 @@ System systemOf(const Patches& patches, Lights3 received, bool emissionByFactors
     return s;
 }
 
-Solution solve(const Work& work, const Patches& patches, const SolveSettings& s) {
+Solver solverFor(Solver s, std::size_t patches) noexcept {
+    constexpr std::size_t mostOfMatrix = 20'000;
+    return s != Solver::automatic ? s : patches <= mostOfMatrix ? Solver::gaussSeidel : Solver::stochastic;
+}
+
+Solution solve(const Work& work, const Patches& patches, const SolveSettings& asked) {
+    SolveSettings s = asked;
+    s.solver = solverFor(asked.solver, patches.size());
     const std::size_t least = patches.size() * (sizeof(Light) * (s.limits.levels() + 6) + 32);
     if (least > work.memoryLimit)
         throw Error(Exit::resources, fmt::format("radiosity: {} patches need {:.1f} GB, limit {:.1f} GB. Use fewer patches.",

@@ -7,7 +7,9 @@
 
 namespace chiaro::radiosity {
 
-enum class Solver : uint8_t { gaussSeidel, jacobi, direct, shoot, hierarchical, stochastic };
+enum class Solver : uint8_t { gaussSeidel, jacobi, direct, shoot, hierarchical, stochastic, automatic };
+// automatic: the matrix as long as it is cheap, else rays alone.
+Solver solverFor(Solver, std::size_t patches) noexcept;
 struct SolveSettings {
     Solver solver = Solver::gaussSeidel;
     FormFactorSettings factors;

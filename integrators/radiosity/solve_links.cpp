@@ -140,6 +140,7 @@ private:
         float kernel[pairs] = {}, each[points] = {};
         Ray rays[pairs];
         int of[pairs];
+        float open[pairs]; // points are drawn where patches are not open, too; there nothing is seen
         std::size_t n = 0;
         for (int i = 0; i < points; ++i) {
             const Side a = place(to, ofP.at(uint32_t(i)));
@@ -153,6 +154,7 @@ private:
                 const float distance = length(d);
                 if (!(distance > 0)) continue;
                 rays[n] = {o, 0, d * (1 / distance), distance, factors_.patches().time()};
+                open[n] = a.patch->open * b.patch->open;
                 of[n++] = i * points + j;
             }
         }
@@ -163,8 +165,9 @@ private:
         for (std::size_t k = 0; k < n; ++k) {
             all += kernel[of[k]];
             if (blocked[k]) continue;
-            seen += kernel[of[k]];
-            each[of[k] / points] += kernel[of[k]];
+            const float arrives = kernel[of[k]] / open[k];
+            seen += arrives;
+            each[of[k] / points] += arrives;
         }
         const auto [least, most] = std::minmax_element(each, each + points);
         Exchange e{seen / points, *most - *least};
@@ -195,25 +198,48 @@ class RowSums {
 public:
     RowSums(const Work& work, const Patches& patches, const System& system) : sums_(patches.size()) {
         work.run.chunks(
-            patches.size(), [&](uint64_t i) { sums_[i] = float(hits(work, patches, system, uint32_t(i))) / rays; }, &work.stop);
+            patches.size(), [&](uint64_t i) { sums_[i] = share(work, patches, system, uint32_t(i)); }, &work.stop);
     }
-    // What links that add up to `found` are multiplied by. The rays' answer counts as much as it is better known than that of the links.
-    double correction(std::size_t i, double found) const noexcept {
+    // What the light that arrives at each patch is multiplied by, where links that should add up to the sum of a row add up to `found`.
+    // From clusters to patches: what many patches lack together many rays know well; of what one patch lacks beyond that, its own rays'
+    // answer counts as much as it is better known than that of the links.
+    std::vector<double> corrections(const Hierarchy& tree, std::span<const Light> found) const {
         constexpr double linkError = 0.02;
-        const double sum = double(sums_[i]);
-        if (!(found > 0) || !(sum > 0)) return 1;
-        const double variance = (1 - sum) / (sum * rays), trust = sqr(linkError) / (sqr(linkError) + variance);
-        return 1 + trust * (std::clamp(sum / found, 0.5, 2.0) - 1);
+        const std::span<const Hierarchy::Node> nodes = tree.nodes();
+        std::vector<double> wanted(nodes.size()), linked(nodes.size()), factor(nodes.size(), 1), ofPatches(sums_.size(), 1);
+        for (std::size_t i = nodes.size(); i-- > 0;) {
+            if (nodes[i].leaf()) {
+                wanted[i] = double(sums_[tree.patch(uint32_t(i))]) * nodes[i].area;
+                linked[i] = found[tree.patch(uint32_t(i))][0] * nodes[i].area;
+            } else {
+                wanted[i] = wanted[i + 1] + wanted[nodes[i].right];
+                linked[i] = linked[i + 1] + linked[nodes[i].right];
+            }
+        }
+        for (std::size_t i = 0; i < nodes.size(); ++i) {
+            // Of so many rays; one more of each kind, lest they seem sure where all of a few met something (Laplace's rule).
+            const double n = double(rays) * nodes[i].count, share = (std::min(wanted[i] / nodes[i].area, 1.0) * n + 1) / (n + 2);
+            const double now = linked[i] * factor[i];
+            if (now > 0 && wanted[i] > 0) {
+                const double trust = sqr(linkError) / (sqr(linkError) + (1 - share) / (share * n));
+                factor[i] *= 1 + trust * (std::clamp(wanted[i] / now, 0.5, 2.0) - 1);
+            }
+            if (nodes[i].leaf())
+                ofPatches[tree.patch(uint32_t(i))] = factor[i];
+            else
+                factor[i + 1] = factor[nodes[i].right] = factor[i];
+        }
+        return ofPatches;
     }
 
 private:
     static constexpr int rays = 64;
-    static int hits(const Work& work, const Patches& patches, const System& system, uint32_t i) noexcept {
+    static float share(const Work& work, const Patches& patches, const System& system, uint32_t i) noexcept {
         constexpr int width = 16;
         const Patch& p = patches[i];
         const Frame frame = Frame::about(p.normal);
         const Sampler base(work.seed, SamplerKind::sobol, Stream::prepass, uint64_t(i) << 32 | 0xffffffff, 0);
-        int sum = 0;
+        int sum = 0, counted = rays;
         for (int begin = 0; begin < rays; begin += width) {
             Ray ray[width];
             Hit hit[width];
@@ -225,10 +251,13 @@ private:
             work.scene.intersect({ray, width}, {hit, width}, false);
             for (int k = 0; k < width; ++k) {
                 const uint32_t j = hit[k] ? patches.seen(hit[k], ray[k].d) : ~0u;
-                sum += j != ~0u && (maxComponent(system.reflectance[j]) > 0 || maxComponent(system.emission[j]) > 0);
+                if (j == ~0u)
+                    counted -= patches.unlit(hit[k]);
+                else
+                    sum += maxComponent(system.reflectance[j]) > 0 || maxComponent(system.emission[j]) > 0;
             }
         }
-        return sum;
+        return float(sum) / float(std::max(counted, 1));
     }
     std::vector<float> sums_;
 };
@@ -250,8 +279,7 @@ public:
         const std::size_t n = tree.nodes()[0].count;
         Lights3 ones(n, Light(1)), found(n);
         (*this)(ones, found);
-        corrections_.resize(n);
-        for (std::size_t i = 0; i < n; ++i) corrections_[i] = sums.correction(i, found[i][0]);
+        corrections_ = sums.corrections(tree, found);
     }
     void operator()(std::span<const Light> radiosity, std::span<Light> irradiance) {
         constexpr uint64_t nodesPerChunk = 256;

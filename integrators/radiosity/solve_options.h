@@ -8,8 +8,9 @@ namespace chiaro::radiosity {
 inline constexpr OptionSpec solveOptions[] = {
     {"patches", OptionType::integer, "2000", 1, 4e6, "", "about so many, where size says nothing"},
     {"size", OptionType::real, "0", 0, 1e18, "", "longest edge of a patch, metres; 0: by patches"},
-    {"solver", OptionType::choice, "gauss-seidel", 0, 0, "gauss-seidel|jacobi|direct|shoot|hierarchical|stochastic",
-     "of the full matrix: gauss-seidel, jacobi, direct; shoot: progressive refinement, a row at a time; hierarchical: links between "
+    {"solver", OptionType::choice, "auto", 0, 0, "auto|gauss-seidel|jacobi|direct|shoot|hierarchical|stochastic",
+     "auto: gauss-seidel up to 20,000 patches, stochastic beyond. Of the full matrix: gauss-seidel, jacobi, direct; shoot: progressive "
+     "refinement, a row at a time; hierarchical: links between "
      "clusters; stochastic: rays alone"},
     {"factors", OptionType::choice, "auto", 0, 0, "auto|hemisphere|hemicube|analytic",
      "form factors; auto: analytic for shoot, hemisphere otherwise"},

@@ -68,14 +68,15 @@ private:
                 from[k] = patch;
             }
             work_.scene.intersect({ray, n}, {hit, n}, false);
-            for (std::size_t k = 0; k < n; ++k) arrive(ray[k], hit[k], radiosity[from[k]]);
+            for (std::size_t k = 0; k < n; ++k) arrive(ray[k], hit[k], radiosity[from[k]], patches_[from[k]].open);
         }
     }
-    void arrive(const Ray& ray, const Hit& hit, const Light& colour) const noexcept {
+    // open: of the patch that sent it; what left elsewhere does not arrive, the others stand for it.
+    void arrive(const Ray& ray, const Hit& hit, const Light& colour, float open) const noexcept {
         if (!hit) return;
         const uint32_t at = patches_.seen(hit, ray.d);
         if (at == ~0u) return;
-        const double scale = unit / luminance(colour);
+        const double scale = unit / (luminance(colour) * double(open));
         for (std::size_t c = 0; c < 3; ++c)
             if (colour[c] > 0) arrivals_[at].channel[c].fetch_add(uint64_t(colour[c] * scale + 0.5), std::memory_order_relaxed);
     }

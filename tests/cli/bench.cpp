@@ -3,9 +3,13 @@
 #include "scenes/builtin.h"
 #include "tests/cli/program.h"
 #include "tests/scene_kit.h"
+#include "tools/bench/memory.h"
+#include "tools/bench/profile.h"
 #include "tools/bench/rays.h"
+#include "tools/bench/symbols.h"
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 using namespace chiaro;
 using program::absent, program::contains, program::Folder, program::run, program::Outcome;
@@ -107,6 +111,7 @@ TEST_SUITE("bench") {
             CHECK(r.cells[2] >= 1);                                        // rays a sample
             CHECK(r.cells[1] == doctest::Approx(r.cells[0] * r.cells[2])); // rays/s
             if (r.threads == 1) CHECK(r.cells[4] == doctest::Approx(1));
+            CHECK((std::isnan(r.cells[6]) || r.cells[6] > 1)); // MB
         }
         m.request.integrators.clear();
         const bench::Table photons = bench::photonsSuite(m.request);
@@ -116,6 +121,92 @@ TEST_SUITE("bench") {
             CHECK(r.cells[5] < 48);
             CHECK(r.cells[6] == doctest::Approx(1).epsilon(1e-6)); // no light is lost
         }
+    }
+
+    TEST_CASE("replay: the hits and distances of the render, and a ratio") {
+        Machine m;
+        m.request.integrators = {chooseIntegrator("path"), chooseIntegrator("whitted"), chooseIntegrator("light"),
+                                 chooseIntegrator("normals")};
+        const bench::Table t = bench::replaySuite(m.request);
+        checkShape(t, m.request);
+        CHECK(!t.failed);
+        CHECK(t.columns[0].name == "replay_ratio");
+        for (std::size_t i = 0; i < t.rows.size();) { // a render, then its classes
+            CAPTURE(t.rows[i].subject);
+            const bench::Row& whole = t.rows[i++];
+            CHECK(whole.cells[2] >= 0.5); // rays a sample
+            double rays = 0, shares = 0;
+            for (; i < t.rows.size() && t.rows[i].subject.starts_with(whole.subject + ", "); ++i) {
+                rays += t.rows[i].cells[4];
+                shares += t.rows[i].cells[0];
+                CHECK(t.rows[i].cells[5] >= 1); // rays a call
+                CHECK(t.rows[i].cells[5] <= 16);
+            }
+            CHECK(rays == doctest::Approx(whole.cells[4]));
+            CHECK(shares > 0);
+        }
+        CHECK(std::count_if(t.rows.begin(), t.rows.end(), [](const bench::Row& r) { return r.subject == "path"; }) == 2);
+    }
+
+    TEST_CASE("split: shares that add up, of parts that are known by their names") {
+        Machine m;
+        m.request.integrators = {chooseIntegrator("path")};
+        m.request.threads = {1};
+        m.request.seconds = 1;
+        const bench::Table t = bench::splitSuite(m.request);
+        REQUIRE(t.rows.size() == 1);
+        const std::vector<double>& cells = t.rows[0].cells;
+        CHECK(cells.back() > 10); // how often it asked
+        CHECK(std::accumulate(cells.begin(), cells.end() - 1, 0.0) == doctest::Approx(100));
+        CHECK(cells[std::size_t(bench::Part::trace)] > 10);
+        using enum bench::Part;
+        for (const auto& [name, part] :
+             {std::pair("chiaro::Film::add", film), std::pair("chiaro::Accel::intersect", packets),
+              std::pair("chiaro::Lights::sampleTowards", lights), std::pair("chiaro::Bsdf::sample", shading),
+              std::pair("chiaro::Scene::point", shading), std::pair("chiaro::Textures::lookUp", textures),
+              std::pair("chiaro::Sampler::get2D", sampler), std::pair("chiaro::PathIntegrator::radiance", walk), std::pair("main", other)})
+            CHECK_MESSAGE(bench::partOf(name) == part, name);
+    }
+
+    TEST_CASE("addresses are told by the names of functions and libraries") {
+        const bench::Symbols symbols;
+        CHECK(symbols.at(uintptr_t(&bench::median)).name == "chiaro::bench::median");
+        CHECK(symbols.at(uintptr_t(&std::malloc)).library);
+        CHECK(symbols.at(0).name == "?");
+    }
+
+    TEST_CASE("memory: a peak, and a peak from now on") {
+        if (bench::residentBytes() == 0) return;
+        constexpr std::size_t size = 100'000'000;
+        {
+            std::vector<char> touched(size, 1);
+            CHECK(bench::peakBytes() >= size);
+            CHECK(touched[size / 2] == 1);
+        }
+        const std::size_t before = bench::peakOfAll();
+        if (!bench::resetPeak()) return;
+        CHECK(bench::peakBytes() + size / 2 < before);
+        CHECK(bench::peakOfAll() >= before);
+    }
+
+    TEST_CASE("triangles: what there is time for; growth as a picture") {
+        Machine m;
+        m.request.scenes.clear();
+        m.request.threads = {2};
+        m.request.width = m.request.height = 32;
+        const bench::Table t = bench::trianglesSuite(m.request);
+        checkShape(t, m.request);
+        CHECK(t.rows[0].cells[0] == doctest::Approx(10'000).epsilon(0.05));
+        CHECK(t.rows[0].cells[2] > 50); // bytes a triangle
+        CHECK(t.rows[0].cells[2] < 400);
+        const std::string svg = bench::svgPlot(bench::trianglesPlot(t));
+        CHECK(svg.starts_with("<svg"));
+        CHECK(contains(svg, "diffuse bounce, 16 wide"));
+        const std::string gaps = bench::svgPlot({{"a < b", "x", "y", {{"c", {{1, 2}, {0, 3}, {10, NAN}, {100, 2000}}}, {"none", {}}}}, {}});
+        CHECK(contains(gaps, "a &lt; b"));
+        CHECK(!contains(gaps, "nan"));
+        CHECK(!contains(gaps, "inf"));
+        CHECK(std::count(gaps.begin(), gaps.end(), 'r') > 10);
     }
 
     TEST_CASE("radiosity: errors fall towards the finest matrix, what does not fit is named") {
@@ -164,6 +255,21 @@ TEST_SUITE("bench") {
         CHECK(suite["rows"][1]["subject"] == "whitted:ambient=0.1");
         CHECK(j["machine"].is_string());
         CHECK(j["stopped"] == false);
+        const Outcome replay = run(folder, {"bench", "replay", "-i", "path", "--scenes", "@cornell", "--time", "500ms", "--size", "64x64",
+                                            "-t", "2", "--json", "-q"});
+        CAPTURE(replay.err);
+        REQUIRE(replay.code == 0);
+        const Json r = Json::parse(replay.out, nullptr, false);
+        REQUIRE(r.is_object());
+        CHECK(r["suites"][0]["columns"][0]["name"] == "replay_ratio");
+        CHECK(r["suites"][0]["rows"][0]["values"][0] > 0);
+        CHECK(r["suites"][0]["failed"] == false);
+        CHECK(r["peakMemory"] > 1e6);
+        const Outcome plot =
+            run(folder, {"bench", "triangles", "--time", "300ms", "--size", "32x32", "-t", "2", "-q", "--plot", "growth.svg"});
+        CAPTURE(plot.err);
+        REQUIRE(plot.code == 0);
+        CHECK(program::readAll(folder / "growth.svg").ends_with("</svg>\n"));
         const auto wrong = [&](std::vector<std::string> words, int code, const std::string& text) {
             words.insert(words.begin(), "bench");
             const Outcome o = run(folder, words);
@@ -175,6 +281,9 @@ TEST_SUITE("bench") {
         wrong({"rays", "--scenes", "none.glb"}, 4, "none.glb");
         wrong({"rays", "--scenes", "@cornel"}, 64, "@cornell");
         wrong({"rays", "--scenes", "@cornell,,"}, 64, "a name is missing");
+        wrong({"rays", "--plot", "a.svg"}, 64, "name triangles or radiosity");
+        wrong({"triangles", "--plot", "a.png"}, 64, ".svg");
+        wrong({"triangles", "--plot", "no/a.svg"}, 4, "no/a.svg");
         wrong({"rays", "-t", "0"}, 64, "--threads");
         wrong({"rays", "--size", "4x4"}, 64, "8x8");
         wrong({"rays", "--time", "soon"}, 64, "a duration");

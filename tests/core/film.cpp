@@ -245,7 +245,7 @@ TEST_SUITE("film") {
     }
 
     TEST_CASE("bytes() counts what a film takes") {
-        CHECK(layout(10, 10).bytes() == 100 * (96 + 48 + 12));
-        CHECK(layout(10, 10, {"a", "b"}, true).bytes() == 100 * (2 * (96 + 144) + 48 + 12));
+        CHECK(layout(10, 10).bytes() == 100 * (96 + 48 + 12 + 4));
+        CHECK(layout(10, 10, {"a", "b"}, true).bytes() == 100 * (2 * (96 + 144) + 48 + 12 + 4));
     }
 }

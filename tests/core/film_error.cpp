@@ -60,7 +60,7 @@ TEST_SUITE("film-error") {
             add(film, {i % 2, i / 2}, 0, Spectrum(even[i]));
             add(film, {i % 2, i / 2}, 1, Spectrum(odd[i]));
         }
-        film.setDone(2);
+        film.setDone(2); // at once: there was no doubling, the halves speak
         const Film::Mean m = film.meanLuminance();
         CHECK(m.value == doctest::Approx((2 + 2 + 2 + 6) / 4.0));
         CHECK(m.error == doctest::Approx(std::sqrt(1.0 + 0 + 1 + 4) / 4)); // errors of pixels 1 0 1 2, independent
@@ -92,5 +92,85 @@ TEST_SUITE("film-error") {
         CHECK(truth.variance() == doctest::Approx(whole).epsilon(0.4));
         CHECK(pixelReported.mean == doctest::Approx(pixel).epsilon(0.05));
         CHECK(pixelTruth.variance() == doctest::Approx(pixel).epsilon(0.4));
+    }
+
+    // 200 pictures of 32 x 32 pixels with 16 samples, sample(u, pixel, index); looks at powers of two, as render() does.
+    template <class Sample> void againstTruth(Sample && sample, double least, double most) {
+        constexpr uint32_t side = 32, samples = 16;
+        stats::Moments truth, reported;
+        for (uint64_t replica = 0; replica < 200; ++replica) {
+            Film film = blank(side, side);
+            stats::Random u(replica + 1);
+            for (uint32_t s = 0; s < samples; ++s) {
+                for (uint32_t y = 0; y < side; ++y)
+                    for (uint32_t x = 0; x < side; ++x) add(film, {x, y}, s, Spectrum(sample(u, Pixel{x, y}, s)));
+                film.setDone(s + 1);
+            }
+            const Film::Mean m = film.meanLuminance();
+            truth.add(m.value);
+            reported.add(m.error * m.error);
+            CHECK(film.noiseBound() > film.noise());
+        }
+        CAPTURE(truth.variance());
+        CHECK(reported.mean > least * truth.variance());
+        CHECK(reported.mean < most * truth.variance());
+    }
+
+    TEST_CASE("how far the picture moves when samples double tells its error: independent samples") {
+        againstTruth([](stats::Random& u, Pixel, uint32_t) { return u(); }, 0.75, 1.3);
+    }
+
+    TEST_CASE("stratified samples: the halves would report several times the error, the movement does not") {
+        // Sample s of a scrambled van der Corput sequence in every pixel: the variance of its prefixes falls as n^-3.
+        std::vector<std::vector<float>> points(32 * 32);
+        againstTruth(
+            [&](stats::Random& u, Pixel p, uint32_t s) {
+                std::vector<float>& own = points[p.y * 32 + p.x];
+                if (s == 0) {
+                    own.clear();
+                    std::vector<uint32_t> cells{0}; // nested: every new point goes where none is
+                    for (uint32_t bit = 1; bit < 16; bit *= 2) {
+                        std::vector<uint32_t> more;
+                        for (uint32_t& c : cells) {
+                            const uint32_t flip = uint32_t(u() * 2);
+                            c = 2 * c + flip;
+                            more.push_back(c ^ 1);
+                        }
+                        cells.insert(cells.end(), more.begin(), more.end());
+                    }
+                    for (const uint32_t c : cells) own.push_back((float(c) + u()) / 16);
+                }
+                return own[s];
+            },
+            0.7, 8);
+    }
+
+    TEST_CASE("where pixels share their samples, blocks of them speak") {
+        float shared = 0;
+        againstTruth(
+            [&](stats::Random& u, Pixel p, uint32_t) {
+                if (p.x % 8 == 0) shared = u(); // eight pixels in a row have the same value
+                return shared;
+            },
+            0.7, 1.5);
+    }
+
+    TEST_CASE("an error that lies in one pixel is known with few degrees of freedom") {
+        Film film = blank(16, 16);
+        stats::Random u(7);
+        for (uint32_t s = 0; s < 16; ++s) {
+            for (uint32_t y = 0; y < 16; ++y)
+                for (uint32_t x = 0; x < 16; ++x) add(film, {x, y}, s, Spectrum(x == 3 && y == 4 ? 1000 * u() : 1 + 0.01f * u()));
+            film.setDone(s + 1);
+        }
+        CHECK(film.meanLuminance().dof < 1.5);
+        CHECK(film.noiseBound() > 1.5 * film.noise());
+        Film flat = blank(4, 4);
+        for (uint32_t s = 0; s < 4; ++s) {
+            for (uint32_t i = 0; i < 16; ++i) add(flat, {i % 4, i / 4}, s, Spectrum(0));
+            flat.setDone(s + 1);
+        }
+        CHECK(flat.noise() == 0); // black: nothing to wait for
+        CHECK(flat.noiseBound() == 0);
     }
 }

@@ -172,4 +172,8 @@ Table radiositySuite(const Request& request) {
     return table;
 }
 
+std::vector<Panel> radiosityPlot(const Table& table) {
+    return {panelOf(table, "time, all of it", 0, 1), panelOf(table, "time to solve", 0, 4), panelOf(table, "memory", 0, 5)};
+}
+
 } // namespace chiaro::bench

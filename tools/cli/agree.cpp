@@ -51,15 +51,16 @@ View smallView(const AgreeSettings& s, const LoadedScene& loaded, CameraDesc& ca
     return makeView(sized, loaded, camera, automatic);
 }
 
-void checkMemory(const RenderSettings& settings, const View& view, const std::vector<Subject>& subjects) {
+void checkMemory(const RenderSettings& settings, const Scene& scene, const View& view, const std::vector<Subject>& subjects) {
     double sides = double(referenceCount(subjects));
     for (const Subject& s : subjects) sides += double(s.levels.size()) + 1;
     constexpr double bytesAPixel = 40; // of a side: what it accumulates, and its picture of the round
     const FilmLayout layout{.width = view.width, .height = view.height, .crop = view.crop, .layers = {}, .splats = true};
     const double needed = double(layout.bytes()) + sides * bytesAPixel * double(view.crop.area());
-    if (needed > double(memoryLimit(settings)))
-        throw Error(Exit::resources, fmt::format("{}x{} pixels need about {}, {}. Try a smaller --size.", view.crop.width(),
-                                                 view.crop.height(), memorySize(needed), memoryLimitText(settings)));
+    const MemoryBudget& memory = settings.scene.memory;
+    if (needed > double(memory.beside(scene)))
+        throw Error(Exit::resources, fmt::format("{}x{} pixels need about {}{}, {}. Try a smaller --size.", view.crop.width(),
+                                                 view.crop.height(), memorySize(needed), besideText(scene, needed), memory.text()));
 }
 
 std::vector<std::string> notesOn(const Subject& s, const Outcome& o, const AgreeRow& row, const Scene& scene, const PathQuery& query) {
@@ -202,11 +203,11 @@ int agreeScene(const AgreeSettings& s) {
     checkOutputs(s, fileNamesOf(s));
     const Executor executor(s.base.threads);
     tellHeader(s.base, executor, console);
-    const LoadedScene loaded = loadScene(s.base.scene, notes);
+    const LoadedScene loaded = loadScene(s.base.scene, notes, executor);
     CameraDesc camera;
     bool automatic = false;
     const View view = smallView(s, loaded, camera, automatic);
-    checkMemory(s.base, view, subjects);
+    checkMemory(s.base, *loaded.scene, view, subjects);
     tellScene(s.base, loaded, automatic ? "auto" : camera.name, console);
     console.warnings(notes);
     console.phase("agree",
@@ -223,9 +224,9 @@ int agreeScene(const AgreeSettings& s) {
     StopToken stop;
     const StopOnSignal signals(stop);
     ProgressBar progress(s.base.progress, s.base.quiet, infinity);
-    const Job job{
-        {*loaded.scene, s.base.classes, view.shutter, s.base.seed, s.base.sampler, executor, stop, progress, notes, memoryLimit(s.base)},
-        view};
+    const Job job{{*loaded.scene, s.base.classes, view.shutter, s.base.seed, s.base.sampler, executor, stop, progress, notes,
+                   s.base.scene.memory.beside(*loaded.scene)},
+                  view};
     const AgreeRun run = runStages(s, subjects, job, stop, progress, console);
     progress.clear();
     console.facts(notes);

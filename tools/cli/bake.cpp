@@ -3,6 +3,7 @@
 #include "io/color.h"
 #include "io/replace_file.h"
 #include "scenes/builtin.h"
+#include "tools/bake/site_field.h"
 #include "tools/cli/bake_settings.h"
 #include "tools/cli/prepass_solver.h"
 #include "tools/cli/report.h"
@@ -62,16 +63,17 @@ Chosen chooseParts(const Scene& scene, const GltfDocument& document) {
 }
 
 // Refused before it is allocated.
-void checkMemory(const BakeSettings& s, const bake::Layout& layout) {
+void checkMemory(const BakeSettings& s, const Scene& scene, const bake::Layout& layout) {
     const double texels = double(layout.size) * layout.size, each = sizeof(SiteSum) + sizeof(MapTexel) + 48;
-    const double needed = texels * each, limit = double(memoryLimit(s.render));
+    const double needed = texels * each, limit = double(s.render.scene.memory.beside(scene));
     if (needed <= limit) return;
-    throw Error(Exit::resources, fmt::format("a light map of {0}x{0} needs about {1}, {2}. Try --size {3}.", layout.size,
-                                             memorySize(needed), memoryLimitText(s.render), uint32_t(std::sqrt(limit / each) * 0.9)));
+    throw Error(Exit::resources, fmt::format("a light map of {0}x{0} needs about {1}{2}, {3}. Try --size {4}.", layout.size,
+                                             memorySize(needed), besideText(scene, needed), s.render.scene.memory.text(),
+                                             std::max(1u, uint32_t(std::sqrt(limit / each) * 0.9))));
 }
 
 std::size_t mostVertices(const BakeSettings& s) {
-    return std::min<std::size_t>(memoryLimit(s.render) / (sizeof(SiteSum) + 400), 500'000'000);
+    return std::min<std::size_t>(s.render.scene.memory.bytes / (sizeof(SiteSum) + 400), 500'000'000);
 }
 
 // Everything between the scene and the values at its sites.
@@ -94,13 +96,18 @@ Light lightAt(const BakeSettings& s, const LoadedScene& loaded, Integrator& inte
     StopToken stop;
     const StopOnSignal signals(stop);
     ProgressBar progress(s.render.progress, s.render.quiet, s.render.budget.seconds);
-    const Work work{scene, classes, view.shutter, s.render.seed, s.render.sampler, run, stop, progress, notes, memoryLimit(s.render)};
+    const auto workFor = [&](const PathClasses& c) {
+        return Work{scene, c,    view.shutter, s.render.seed, s.render.sampler,
+                    run,   stop, progress,     notes,         s.render.scene.memory.beside(scene)};
+    };
     PrepassSolver solver(s.render.prepass, s.render.scene);
-    const SolvedPrepass solved = solver.solve(work);
+    const SolvedPrepass solved = solver.solve(workFor(s.render.classes)); // as for a picture: the same solution, the same file
     if (solver.choice() && !solved.field) throw Error(Exit::killed, "stopped during the pre-pass; nothing written");
     tellPrepass(solver, solved, console);
     baked.prepassSeconds = solved.seconds;
-    const Job job{work, view, solved.field.get()};
+    std::optional<bake::SiteField> field;
+    if (solved.field) field.emplace(solved.field, classes, s.render.classes, gathers);
+    const Job job{workFor(classes), view, field ? &*field : nullptr};
     if (!gathers || how.indirect) integrator.prepare(job);
     console.facts(notes);
     const bake::Gather gather(job, dynamic_cast<const CameraIntegrator&>(integrator), how);
@@ -169,7 +176,7 @@ BakedScene bakeLightMap(const BakeSettings& s, const LoadedScene& loaded, const 
                         const Executor& run, Diagnostics& notes, Console& console, Baked& baked) {
     const Scene& scene = *loaded.scene;
     baked.layout = bake::makeLayout(scene, baked.chosen.parts, s.layout, scene.shutter().open);
-    checkMemory(s, baked.layout);
+    checkMemory(s, *loaded.scene, baked.layout);
     const bake::TexelSites sites(scene, baked.layout);
     baked.layout.overlapping = sites.overlapping();
     baked.sites = sites.count();
@@ -272,7 +279,7 @@ int runBake(const Arguments& arguments) {
 
     std::optional<SceneDesc> builtin;
     bake::Mirrored mirrored;
-    LoadedScene loaded = loadScene(r.scene, notes, [&](const SceneDesc& desc) {
+    LoadedScene loaded = loadScene(r.scene, notes, run, [&](const SceneDesc& desc) {
         mirrored = bake::mirroredInstances(desc);
         if (r.scene.operand.starts_with('@')) builtin = desc;
     });

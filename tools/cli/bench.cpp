@@ -1,5 +1,7 @@
 // chiaro bench [SUITE]: what this machine does in a second, as tables and as JSON.
 #include "tools/bench/bench.h"
+#include "io/replace_file.h"
+#include "tools/bench/memory.h"
 #include "tools/cli/compare_output.h"
 #include "tools/cli/integrator_list.h"
 #include "tools/cli/report.h"
@@ -11,7 +13,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
-#include <sys/resource.h>
 
 namespace chiaro::cli {
 namespace {
@@ -20,16 +21,17 @@ using Json = nlohmann::ordered_json;
 
 struct BenchSettings {
     std::vector<const bench::Suite*> suites;
-    std::vector<std::string> scenes; // empty: the suite's own
-    std::vector<IntegratorChoice> integrators;
+    std::vector<std::string> scenes;           // empty: the suite's own
+    std::vector<IntegratorChoice> integrators; // empty: the suite's own
     std::vector<unsigned> threads;
     Size size;
-    double seconds = 20;
+    double seconds = 20, replaySeconds = 0;
     uint32_t runs = 3;
     uint64_t seed = 0;
     std::size_t memory = 0;
     bool json = false, quiet = false;
     std::string isa;
+    std::filesystem::path plot; // empty: none
 };
 
 std::vector<std::string> pieces(std::string_view list, std::string_view option) {
@@ -63,30 +65,52 @@ std::vector<unsigned> readThreads(const Arguments& a) {
         for (const std::string& piece : pieces(a.text("threads"), "threads"))
             all.push_back(unsigned(parseWhole("threads", piece, 1, 4096)));
     else
-        all = {1, machine};
+        for (all = {machine}; all.size() < 16 && 1u << (all.size() - 1) < machine;) all.push_back(1u << (all.size() - 1));
     std::sort(all.begin(), all.end());
     all.erase(std::unique(all.begin(), all.end()), all.end());
     return all;
+}
+
+void readPlot(const Arguments& a, BenchSettings& s) {
+    if (!a.given("plot")) return;
+    s.plot = a.text("plot");
+    std::vector<std::string> growing;
+    for (const bench::Suite& suite : bench::suites())
+        if (suite.plot) growing.emplace_back(suite.name);
+    if (s.suites.size() != 1 || !s.suites[0]->plot)
+        throw Error(Exit::usage, fmt::format("--plot: one suite that shows growth has a plot; name {}", fmt::join(growing, " or ")));
+    if (s.plot.extension() != ".svg")
+        throw Error(Exit::usage, fmt::format("--plot {}: it is an SVG picture; end it in .svg", s.plot.string()));
 }
 
 BenchSettings readBench(const Arguments& a) {
     BenchSettings s;
     s.suites = readSuites(a);
     if (a.given("scenes")) s.scenes = pieces(a.text("scenes"), "scenes");
-    s.integrators = a.given("integrator") ? chooseIntegrators(a.text("integrator")) : allLightTransport();
+    if (a.given("integrator")) s.integrators = chooseIntegrators(a.text("integrator"));
     s.threads = readThreads(a);
     s.size = parseSize("size", a.text("size"));
     if (s.size.width < 8 || s.size.height < 8) throw Error(Exit::usage, "--size: the views of bench are 8x8 at least, a tile of rays");
     s.seconds = parseDuration("time", a.text("time"));
+    if (a.given("replay-time")) s.replaySeconds = parseDuration("replay-time", a.text("replay-time"));
     s.runs = uint32_t(parseWhole("runs", a.text("runs"), 1, 1000));
     s.seed = parseWhole("seed", a.text("seed"), 0, ~uint64_t(0));
     s.json = a.on("json");
     s.quiet = a.on("quiet");
     s.isa = a.text("isa");
-    RenderSettings memory;
-    if (a.given("max-memory")) memory.maxMemory = parseMemory("max-memory", a.text("max-memory"));
-    s.memory = memoryLimit(memory);
+    readPlot(a, s);
+    s.memory = readMemoryBudget(a).bytes;
     return s;
+}
+
+std::vector<IntegratorChoice> integratorsOf(const BenchSettings& s, const bench::Suite& suite) {
+    if (!s.integrators.empty()) return s.integrators;
+    return suite.integrators.empty() ? allLightTransport() : chooseIntegrators(std::string(suite.integrators));
+}
+// Of a suite that makes its own scenes: none.
+std::vector<std::string> scenesOf(const BenchSettings& s, const bench::Suite& suite) {
+    if (suite.scenes.empty()) return {};
+    return s.scenes.empty() ? pieces(suite.scenes, "scenes") : s.scenes;
 }
 
 // Scenes stay loaded from suite to suite.
@@ -102,7 +126,7 @@ public:
         RenderSettings frame;
         frame.scene = request;
         frame.size = fmt::format("{}x{}", s_.size.width, s_.size.height);
-        Loaded one{name, loadScene(request, notes_), View()};
+        Loaded one{name, loadScene(request, notes_, Executor()), View()};
         CameraDesc camera;
         bool automatic = false;
         one.view = makeView(frame, one.loaded, camera, automatic);
@@ -163,7 +187,7 @@ std::string tableText(const bench::Table& t) {
 Json number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
 
 Json tableJson(const bench::Table& t) {
-    Json j{{"suite", t.suite}, {"title", t.title}, {"stopped", t.stopped}};
+    Json j{{"suite", t.suite}, {"title", t.title}, {"stopped", t.stopped}, {"failed", t.failed}};
     j["columns"] = Json::array();
     for (const bench::Column& c : t.columns) j["columns"].push_back({{"name", c.name}, {"unit", c.unit}});
     j["rows"] = Json::array();
@@ -177,22 +201,18 @@ Json tableJson(const bench::Table& t) {
     return j;
 }
 
-// Of this process so far.
-double peakBytes() {
-    struct rusage usage {};
-    return getrusage(RUSAGE_SELF, &usage) == 0 ? 1024 * double(usage.ru_maxrss) : 0;
-}
-
 bool slowBuild() { return buildType != "release" && buildType != "relwithdebinfo"; }
 
 } // namespace
 
 std::string benchNotes() {
     std::string text = "\nSuites (default: all)\n";
-    for (const bench::Suite& s : bench::suites()) text += fmt::format("  {:<12} {}; on {}\n", s.name, s.summary, s.scenes);
+    for (const bench::Suite& s : bench::suites())
+        text += fmt::format("  {:<12} {}; on {}\n", s.name, s.summary, s.scenes.empty() ? "scenes of its own" : s.scenes);
     return text + R"(
 Every figure is the median of several runs; spread: (largest - smallest) / median of the first figure. Compare figures of one run of bench:
-another minute, another machine. Nothing else should be running. Exit code 0 done, 4 a scene, 5 stopped by Ctrl-C with the rows so far.
+another minute, another machine. Nothing else should be running. Exit code 0 done, 2 a replay that found other hits than its render, 4 a file, 5 stopped by Ctrl-C with
+the rows so far.
 )";
 }
 
@@ -200,6 +220,7 @@ int runBench(const Arguments& arguments) {
     const BenchSettings s = readBench(arguments);
     Console console(s.quiet);
     Diagnostics notes;
+    if (!s.plot.empty()) checkWritable(s.plot);
     if (slowBuild())
         notes.warn(fmt::format("THIS IS A {} BUILD: its figures say nothing about chiaro. Build with: cmake --preset release", buildType));
     console.warnings(notes);
@@ -213,36 +234,47 @@ int runBench(const Arguments& arguments) {
              {"build", buildType},
              {"machine", machineName(s.threads.back(), s.isa.empty() ? bestIsa() : s.isa)},
              {"suites", Json::array()}};
+    bool failed = false;
     for (const bench::Suite* suite : s.suites) {
         bench::Request request{.scenes = {},
-                               .integrators = s.integrators,
+                               .integrators = integratorsOf(s, *suite),
                                .threads = s.threads,
                                .seconds = s.seconds,
                                .runs = s.runs,
+                               .replaySeconds = s.replaySeconds,
                                .seed = s.seed,
                                .memoryLimit = s.memory,
+                               .width = s.size.width,
+                               .height = s.size.height,
+                               .isa = s.isa,
                                .stop = stop,
                                .progress = progress,
                                .notes = notes};
-        for (const std::string& name : s.scenes.empty() ? pieces(suite->scenes, "scenes") : s.scenes)
-            request.scenes.push_back(scenes.scene(name));
+        for (const std::string& name : scenesOf(s, *suite)) request.scenes.push_back(scenes.scene(name));
         console.warnings(notes);
         const bench::Table table = suite->run(request);
         progress.clear();
         console.warnings(notes);
+        failed = failed || table.failed;
+        if (!s.plot.empty()) {
+            const std::string svg = bench::svgPlot(suite->plot(table));
+            replaceFile(s.plot, std::as_bytes(std::span(svg)));
+            console.phase("wrote", fmt::format("{}  growth, over logarithmic axes", s.plot.string()));
+        }
         if (s.json)
             all["suites"].push_back(tableJson(table));
         else
             fmt::print("{}", tableText(table));
         if (stop.cancelled()) break;
     }
-    all["peakMemory"] = peakBytes();
-    console.phase("memory", fmt::format("{} at the peak of all", memorySize(peakBytes())));
+    const double peak = double(bench::peakOfAll());
+    all["peakMemory"] = peak;
+    console.phase("memory", fmt::format("{} at the peak of all", memorySize(peak)));
     all["stopped"] = stop.cancelled();
     if (s.json) fmt::print("{}\n", all.dump(2, ' ', false, Json::error_handler_t::replace));
     if (stop.cancelled()) console.line("stopped; the rows that were done are above");
     const bool warned = arguments.on("strict") && !notes.warnings().empty();
-    return stop.cancelled() ? int(Exit::stopped) : warned ? int(Exit::warning) : int(Exit::done);
+    return failed ? int(Exit::failed) : stop.cancelled() ? int(Exit::stopped) : warned ? int(Exit::warning) : int(Exit::done);
 }
 
 } // namespace chiaro::cli

@@ -69,6 +69,7 @@ int runBake(const Arguments&);
 int runScenes(const Arguments&);
 int runIntegrators(const Arguments&);
 int runBench(const Arguments&);
+int runMerge(const Arguments&);
 int runDoctor(const Arguments&);
 int runHelp(const Arguments&);
 std::span<const OptionRow> renderOptions();
@@ -76,6 +77,7 @@ std::span<const OptionRow> infoOptions();
 std::string diffNotes();
 std::string agreeNotes();
 std::string benchNotes();
+std::string mergeNotes();
 std::string compareNotes();
 
 std::string commandHelp(const Command&);

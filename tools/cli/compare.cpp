@@ -18,15 +18,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void checkMemory(const RenderSettings& s, const std::vector<Contestant>& contestants, const View& view) {
-    const double limit = double(memoryLimit(s)), needed = bytesNeeded(contestants, view);
+void checkMemory(const RenderSettings& s, const Scene& scene, const std::vector<Contestant>& contestants, const View& view) {
+    const double limit = double(s.scene.memory.beside(scene)), needed = bytesNeeded(contestants, view);
     if (needed <= limit) return;
     const double scale = std::sqrt(limit / needed) * 0.9;
     throw Error(Exit::resources,
-                fmt::format("{} pictures of {}x{} need about {}, {}. Try --size {}x{}, fewer integrators, or "
+                fmt::format("{} pictures of {}x{} need about {}{}, {}. Try --size {}x{}, fewer integrators, or "
                             "--crop.",
-                            contestants.size(), view.crop.width(), view.crop.height(), memorySize(needed), memoryLimitText(s),
-                            std::max(1, int(view.width * scale)), std::max(1, int(view.height * scale))));
+                            contestants.size(), view.crop.width(), view.crop.height(), memorySize(needed), besideText(scene, needed),
+                            s.scene.memory.text(), std::max(1, int(view.width * scale)), std::max(1, int(view.height * scale))));
 }
 
 Json headOf(const CompareSettings& s, const Comparison& c, bool stopped, int code) {
@@ -98,7 +98,7 @@ int compareFiles(const CompareSettings& s, const DisplayTransform& display, Diag
 int compareScene(const CompareSettings& s, const DisplayTransform& display, Diagnostics& notes, Console& console) {
     const Executor run(s.base.threads);
     tellHeader(s.base, run, console);
-    const LoadedScene loaded = loadScene(s.base.scene, notes);
+    const LoadedScene loaded = loadScene(s.base.scene, notes, run);
     CameraDesc camera;
     bool automatic = false;
     View view = makeView(s.base, loaded, camera, automatic);
@@ -110,7 +110,7 @@ int compareScene(const CompareSettings& s, const DisplayTransform& display, Diag
     unsplit.split.clear();
     c.classes = PathClasses::make(unsplit);
     c.contestants = contestantsOf(s, *loaded.scene, view, c.judged);
-    checkMemory(s.base, c.contestants, view);
+    checkMemory(s.base, *loaded.scene, c.contestants, view);
     prepareFolder(s, c.contestants);
     const std::string cameraName = automatic ? "auto" : camera.name;
     tellScene(s.base, loaded, cameraName, console);
@@ -119,7 +119,8 @@ int compareScene(const CompareSettings& s, const DisplayTransform& display, Diag
     StopToken stop;
     const StopOnSignal signals(stop);
     Progress silent;
-    const Job job{{*loaded.scene, c.classes, view.shutter, s.base.seed, s.base.sampler, run, stop, silent, notes, memoryLimit(s.base)},
+    const Job job{{*loaded.scene, c.classes, view.shutter, s.base.seed, s.base.sampler, run, stop, silent, notes,
+                   s.base.scene.memory.beside(*loaded.scene)},
                   view,
                   nullptr};
     runComparison(s, job, stop, c, console);

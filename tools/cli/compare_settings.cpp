@@ -37,12 +37,6 @@ void refuseSceneOptions(const Arguments& a) {
                                                  o.name));
 }
 
-double parseNoise(const std::string& text) {
-    std::string number = text;
-    if (number.ends_with('%')) number.pop_back();
-    return parseReal("noise", number, 1e-3, 100) / 100;
-}
-
 void readEqual(const Arguments& a, CompareSettings& s) {
     std::vector<std::string> given;
     for (const char* name : {"time", "spp", "noise"})
@@ -56,7 +50,7 @@ void readEqual(const Arguments& a, CompareSettings& s) {
             throw Error(Exit::usage, fmt::format("--{} says nothing with --equal {}; leave it out", name, equal));
     s.seconds = s.equal == Equal::noise && !a.given("time") ? noiseSeconds : parseDuration("time", a.text("time"));
     s.spp = s.equal == Equal::noise && !a.given("spp") ? 1u << 30 : uint32_t(parseWhole("spp", a.text("spp"), 1, 1u << 30));
-    s.noise = parseNoise(a.text("noise"));
+    s.noise = parsePercent("noise", a.text("noise"));
     if (a.given("seeds")) s.seeds = uint32_t(parseWhole("seeds", a.text("seeds"), 1, 4096));
     if (s.equal == Equal::spp && s.seeds && *s.seeds > s.spp)
         throw Error(Exit::usage,

@@ -59,11 +59,6 @@ std::size_t residentBytes() {
     return resident * std::size_t(sysconf(_SC_PAGESIZE));
 }
 
-std::size_t physicalBytes() {
-    const long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
-    return pages > 0 && size > 0 ? std::size_t(pages) * std::size_t(size) : 0;
-}
-
 void Console::phase(std::string_view word, std::string_view text) const {
     if (!quiet_) fmt::print(stderr, "{:<8} {}\n", word, text);
 }

@@ -18,7 +18,6 @@ std::string duration(double seconds); // "0.03 s", "2.6 s", "1 min 20 s", "2 h 0
 std::string memorySize(double bytes); // "84 MB", "1.2 GB"
 std::string percent(double fraction); // "0.21 %", "2.6 %", "61 %", "unknown"
 std::size_t residentBytes();          // of this process; 0 where unknown
-std::size_t physicalBytes();          // of this machine; 0 where unknown
 
 // The lines of a run: a word of at most eight letters, then what there is to say.
 class Console {

@@ -6,6 +6,7 @@
 #include "scenes/builtin.h"
 #include "tools/cli/command.h"
 #include "tools/cli/console.h"
+#include "tools/cli/memory.h"
 #include "tools/cli/report.h"
 #include "tools/cli/version.h"
 #include <OpenColorIO/OpenColorIO.h>
@@ -40,7 +41,7 @@ std::string libraries() {
 }
 
 std::string memory() {
-    const std::size_t bytes = physicalBytes();
+    const std::size_t bytes = machineBytes();
     if (bytes == 0) throw Error(Exit::resources, "the system does not say how much there is");
     return memorySize(double(bytes));
 }

@@ -50,7 +50,6 @@ Setup readSetup(const Arguments& a) {
     s.render.threads = uint32_t(parseWhole("threads", a.given("threads") ? a.text("threads") : "0", 0, 4096));
     constexpr SamplerKind samplers[] = {SamplerKind::sobol, SamplerKind::independent};
     s.render.sampler = samplers[parseChoice("sampler", a.text("sampler"), {"sobol", "independent"})];
-    if (a.given("max-memory")) s.render.maxMemory = parseMemory("max-memory", a.text("max-memory"));
     return s;
 }
 
@@ -185,17 +184,18 @@ int runFormFactors(const Arguments& arguments) {
     Console console(s.quiet);
     Diagnostics notes;
     FfObjects objects;
-    const LoadedScene loaded = loadScene(s.scene, notes, [&](const SceneDesc& desc) {
+    const Executor run(s.render.threads);
+    const LoadedScene loaded = loadScene(s.scene, notes, run, [&](const SceneDesc& desc) {
         for (std::size_t i = 0; i < desc.instances.size(); ++i) objects.add(desc.instances[i].name, i);
     });
     const Scene& scene = *loaded.scene;
     for (const DrawnPart& p : scene.parts()) objects.nodeOfPart.push_back(p.node);
-    const Executor run(s.render.threads);
     StopToken stop;
     const StopOnSignal signals(stop);
     Progress silent;
     const PathClasses classes(unlimitedDepth);
-    const Work work{scene, classes, scene.shutter(), s.render.seed, s.render.sampler, run, stop, silent, notes, memoryLimit(s.render)};
+    const Work work{scene, classes, scene.shutter(), s.render.seed, s.render.sampler,
+                    run,   stop,    silent,          notes,         s.scene.memory.beside(scene)};
     const Patches patches = Patches::of(work, s.patches);
     for (const std::string& line : loaded.added) console.phase("added", line);
     for (const Diagnostics::Fact& f : notes.facts()) console.phase(f.subject, f.message);

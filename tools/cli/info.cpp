@@ -1,4 +1,5 @@
 // chiaro info SCENE | IMAGE: what is in it, what Chiaro will use, approximate, ignore, add.
+#include "core/render/executor.h"
 #include "io/picture.h"
 #include "tools/cli/command.h"
 #include "tools/cli/info_image.h"
@@ -97,7 +98,8 @@ Json lightsOf(const Scene& scene) {
 
 Json describeScene(const SceneRequest& request, Diagnostics& notes) {
     Json fromDesc;
-    const LoadedScene loaded = loadScene(request, notes, [&](const SceneDesc& desc) {
+    const Executor run;
+    const LoadedScene loaded = loadScene(request, notes, run, [&](const SceneDesc& desc) {
         const Box box = worldBounds(desc);
         if (!box.empty()) fromDesc["bounds"] = {vector(box.low), vector(box.high)};
         fromDesc["materials"] = materialsOf(desc);
@@ -115,11 +117,13 @@ Json describeScene(const SceneRequest& request, Diagnostics& notes) {
     info["lumen"] = scene.lights().power();
     info["environment"] = loaded.environment;
     info["materials"] = fromDesc["materials"];
-    info["textures"] = {{"bytes", c.textureBytes}, {"images", fromDesc["images"]}};
+    info["textures"] = {{"bytes", c.bytes.textures}, {"images", fromDesc["images"]}};
     std::vector<std::string> added = loaded.added;
     if (scene.cameras().empty())
         added.insert(added.begin(), "no camera in the scene: one that frames it all      keep it with: --camera auto");
     info["added"] = added;
+    info["memory"] = sceneBytesJson(c.bytes);
+    info["memory"]["peak"] = peakBytes();
     info["seconds"] = loaded.seconds;
     info["warnings"] = notes.warnings();
     return info;
@@ -140,6 +144,17 @@ template <class F> void printList(const char* label, const Json& list, F&& line)
 }
 
 std::string text(const Json& j) { return j.get<std::string>(); }
+
+void printMemory(const Json& memory, double triangles) {
+    std::string parts;
+    for (const auto& [part, bytes] : memory.items())
+        if (part != "total" && part != "peak" && bytes.get<double>() > 0)
+            parts += fmt::format(", {} {}", part, memorySize(bytes.get<double>()));
+    const double total = memory["total"].get<double>(), textures = memory["textures"].get<double>();
+    const std::string each = triangles > 0 ? fmt::format("; {:.0f} bytes a triangle without textures", (total - textures) / triangles) : "";
+    fmt::print("{:<12} {}{}{}; {} with all of chiaro\n", "memory", memorySize(total), parts, each,
+               memorySize(memory["peak"].get<double>()));
+}
 
 void printScene(const Json& i) {
     fmt::print("{:<12} {}   hash {}\n", "scene", text(i["scene"]), text(i["hash"]));
@@ -173,7 +188,7 @@ void printScene(const Json& i) {
         return fmt::format("\"{}\"  {}x{}, {} channels, {}", text(p["name"]), p["size"][0].get<int>(), p["size"][1].get<int>(),
                            p["channels"].get<int>(), memorySize(p["bytes"].get<double>()));
     });
-    if (textures["bytes"].get<uint64_t>()) fmt::print("{:<12} {} in memory\n", "", memorySize(textures["bytes"].get<double>()));
+    printMemory(i["memory"], t["stored"].get<double>());
     for (const Json& line : i["added"]) fmt::print("{:<12} {}\n", "added", text(line));
     for (const Json& line : i["warnings"]) fmt::print("{:<12} {}\n", "warning", text(line));
 }

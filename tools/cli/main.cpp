@@ -2,6 +2,7 @@
 #include "core/render/error.h"
 #include "tools/cli/command.h"
 #include "tools/cli/console.h"
+#include "tools/cli/memory.h"
 #include "tools/cli/version.h"
 #include <cstdio>
 #include <exception>
@@ -69,7 +70,7 @@ int guarded(const std::vector<std::string>& words) {
         printError(e.what());
         return int(e.code);
     } catch (const std::bad_alloc&) {
-        printError("not enough memory. A smaller --size or --crop needs less.");
+        printError(outOfMemory);
         return int(Exit::resources);
     } catch (const std::exception& e) {
         printError(fmt::format("internal: {}. This is a fault of chiaro; please report it with the command line.", e.what()));
@@ -85,5 +86,6 @@ int guarded(const std::vector<std::string>& words) {
 
 int main(int argc, char** argv) {
     chiaro::cli::flushDenormals();
+    chiaro::cli::exitOnOutOfMemory();
     return chiaro::cli::guarded({argv + 1, argv + (argc > 0 ? argc : 1)});
 }

@@ -6,6 +6,7 @@
 #include "tools/cli/compare_options.h"
 #include "tools/cli/diff_options.h"
 #include "tools/cli/ff_options.h"
+#include "tools/cli/merge_options.h"
 #include "tools/cli/trace_options.h"
 #include <algorithm>
 #include <array>
@@ -108,11 +109,29 @@ constexpr auto renderTable = std::to_array<OptionRow>({
      .standard = "256",
      .group = budget},
     {.name = "time", .metavar = "D", .help = "stop after this time: 30s, 5m, 2h; the first limit reached ends the render", .group = budget},
+    {.name = "noise",
+     .metavar = "P",
+     .help = "stop when the picture's relative error is below P percent with 95 % confidence: 2%; how it is found: chiaro help noise",
+     .group = budget},
+    {.name = "sample-range",
+     .metavar = "A:B",
+     .help = "only the samples A to B - 1 of every pixel, as a part (.chk) for chiaro merge: one picture by several machines",
+     .group = budget},
+    {.name = "checkpoint-every",
+     .metavar = "D",
+     .help = "so often, and at the end, what is there so far is kept in a .chk: 10m; Ctrl-C and SIGTERM always keep it",
+     .group = budget},
+    {.name = "resume",
+     .metavar = "FILE.chk",
+     .help =
+         "go on from a checkpoint: the same bits as without the interruption; it knows the options, a new --spp, --time or --noise may be "
+         "given",
+     .group = budget},
     {.name = "output",
      .letter = 'o',
      .metavar = "FILE",
-     .help = "FILE.exr (float32, linear Rec.709, layers) or FILE.png; repeatable; {scene} {integrator} {spp} expand; default: {scene}.exr "
-             "and {scene}.png here",
+     .help = "FILE.exr (float32, linear Rec.709, layers), FILE.png, or FILE.chk (a checkpoint, kept at the end too); repeatable; {scene} "
+             "{integrator} {spp} expand; default: {scene}.exr and {scene}.png here, or {scene}.A-B.chk of a --sample-range",
      .group = output,
      .repeatable = true},
     {.name = "aov",
@@ -298,8 +317,14 @@ constexpr auto bakeTable = joined(bakeRows, std::to_array<OptionRow>({renderRow(
                                                                       renderRow("quiet"),
                                                                       renderRow("verbose")}));
 
+constexpr auto infoCommandTable = joined(infoTable, std::to_array<OptionRow>({renderRow("max-memory")}));
+
 constexpr auto benchTable =
     joined(benchRows, joined(infoTable, std::to_array<OptionRow>({renderRow("max-memory"), renderRow("config"), renderRow("quiet")})));
+
+constexpr auto mergeTable =
+    joined(mergeRows, std::to_array<OptionRow>({renderRow("aov"), renderRow("exposure"), renderRow("view"), renderRow("ocio"),
+                                                renderRow("max-memory"), renderRow("config"), strictRow, jsonRow, renderRow("quiet")}));
 
 constexpr auto ffTable =
     joined(ffRows, joined(infoTable, std::to_array<OptionRow>({renderRow("sampler"), renderRow("seed"), renderRow("threads"),
@@ -314,13 +339,14 @@ constexpr auto table = std::to_array<Command>({
     {"trace", "SCENE --pixel X,Y", "the ray tree or path of one sample, as text and as GLB", traceTable, runTrace, 1, 1},
     {"bake", "SCENE", "light into the scene: vertex colours or a light map, as glTF", bakeTable, runBake, 1, 1},
     {"ff", "SCENE [I] [J]", "the patches of a scene and their form factors, checked", ffTable, runFormFactors, 1, 3},
-    {"info", "SCENE|IMAGE", "what is in it, what Chiaro will use, approximate, ignore, add", infoTable, runInfo, 1, 1},
+    {"merge", "PART...", "ranges of samples that were rendered apart, as the one picture", mergeTable, runMerge, 1, 65536, mergeNotes},
+    {"info", "SCENE|IMAGE", "what is in it, what Chiaro will use, approximate, ignore, add", infoCommandTable, runInfo, 1, 1},
     {"bench", "[SUITE]", "what this machine does in a second: rays, samples, photons, radiosity", benchTable, runBench, 0, 1, benchNotes},
     {"scenes", "", "the scenes inside the program", jsonTable, runScenes, 0, 0},
     {"integrators", "[NAME]", "the algorithms, their options and the light paths they cover", jsonTable, runIntegrators, 0, 1},
     {"doctor", "", "checks this installation: libraries, memory, disk, a self-test render", jsonTable, runDoctor, 0, 0},
-    {"help", "[COMMAND|TOPIC]", "this overview, a command, or a topic: units, paths, prepass, exit-codes, scenes", noOptions, runHelp, 0,
-     1},
+    {"help", "[COMMAND|TOPIC]", "this overview, a command, or a topic: units, paths, prepass, noise, exit-codes, scenes", noOptions,
+     runHelp, 0, 1},
 });
 
 } // namespace

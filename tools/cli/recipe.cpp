@@ -1,4 +1,5 @@
 #include "tools/cli/recipe.h"
+#include "tools/cli/ledger.h"
 #include "tools/cli/version.h"
 #include <fmt/format.h>
 #include <map>
@@ -50,10 +51,12 @@ Metadata recipe(const RenderSettings& s, const LoadedScene& loaded, const View& 
     m.emplace_back("chiaro:size", fmt::format("{}x{}", view.width, view.height));
     m.emplace_back("chiaro:seed", text(s.seed));
     m.emplace_back("chiaro:spp", text(rendered.result.spp));
+    if (film.begin() > 0) m.emplace_back("chiaro:samples", fmt::format("{}:{}", film.begin(), film.done()));
     m.emplace_back("chiaro:sampler", samplerName(s.sampler));
     m.emplace_back("chiaro:filter", filterName(s.filter));
     m.emplace_back("chiaro:isa", loaded.scene->isa());
     m.emplace_back("chiaro:dropped", text(film.dropped()));
+    if (film.dropped() > 0) m.emplace_back("chiaro:ledger", ledgerText(film));
     m.emplace_back("chiaro:unit", std::string("1.0 = 1 cd/m2"));
     m.emplace_back("chiaro:exposure", rendered.exposure);
     m.emplace_back("chiaro:display", display.display());
@@ -63,13 +66,23 @@ Metadata recipe(const RenderSettings& s, const LoadedScene& loaded, const View& 
     return m;
 }
 
-std::string sameSamples(const RenderSettings& s) {
-    std::string line = "chiaro render " + shellQuoted(s.scene.operand);
+namespace {
+
+std::string commandWithSamples(const char* command, const RenderSettings& s) {
+    std::string line = fmt::format("chiaro {} {}", command, shellQuoted(s.scene.operand));
     for (const OptionRow& o : s.arguments->command->options)
         if (o.sample && o.name != "seed" && s.arguments->given(o.name))
             line += fmt::format(" {}{} {}", o.letter ? "-" : "--", o.letter ? std::string(1, o.letter) : std::string(o.name),
                                 shellQuoted(s.arguments->text(o.name)));
     return line;
+}
+
+} // namespace
+
+std::string sameSamples(const RenderSettings& s) { return commandWithSamples("render", s); }
+
+std::string tracePathCommand(const RenderSettings& s, Pixel p, uint64_t path) {
+    return commandWithSamples("trace", s) + fmt::format(" --pixel {},{} --sample {} --seed {}", p.x, p.y, path, s.seed);
 }
 
 std::string replayCommand(const RenderSettings& s, const DroppedSample& d) {

@@ -1,8 +1,9 @@
 // chiaro render: one integrator, one picture.
-#include "core/render/depth.h"
 #include "io/replace_file.h"
-#include "tools/cli/cost_pictures.h"
+#include "tools/cli/checkpointing.h"
+#include "tools/cli/ledger.h"
 #include "tools/cli/photon_output.h"
+#include "tools/cli/picture_output.h"
 #include "tools/cli/prepared_once.h"
 #include "tools/cli/prepass_solver.h"
 #include "tools/cli/recipe.h"
@@ -19,20 +20,15 @@ namespace chiaro::cli {
 namespace {
 
 // A film that would not fit is refused before anything is allocated, with a size that would.
-void checkMemory(const RenderSettings& s, const FilmLayout& layout) {
-    const double limit = double(memoryLimit(s)), needed = double(layout.bytes());
+void checkMemory(const RenderSettings& s, const Scene& scene, const FilmLayout& layout) {
+    const MemoryBudget& memory = s.scene.memory;
+    const double limit = double(memory.beside(scene)), needed = double(layout.bytes());
     if (needed <= limit) return;
     const double scale = std::sqrt(limit / needed) * 0.9;
-    throw Error(Exit::resources, fmt::format("a picture of {}x{} needs about {}, {}. Try --size {}x{}, or parts with --crop.",
-                                             layout.crop.width(), layout.crop.height(), memorySize(needed), memoryLimitText(s),
-                                             std::max(1, int(layout.width * scale)), std::max(1, int(layout.height * scale))));
-}
-
-std::vector<float> interleavedBeauty(const Picture& picture) {
-    std::vector<float> rgb(picture.window.area() * 3);
-    for (std::size_t c = 0; c < 3; ++c)
-        for (std::size_t i = 0; i < picture.planes[c].size(); ++i) rgb[i * 3 + c] = picture.planes[c][i];
-    return rgb;
+    throw Error(Exit::resources,
+                fmt::format("a picture of {}x{} needs about {}{}, {}. Try --size {}x{}, or parts with --crop.", layout.crop.width(),
+                            layout.crop.height(), memorySize(needed), besideText(scene, needed), memory.text(),
+                            std::max(1, int(layout.width * scale)), std::max(1, int(layout.height * scale))));
 }
 
 bool anySample(const Film& film) {
@@ -43,138 +39,175 @@ bool anySample(const Film& film) {
     return false;
 }
 
-// Film -> files. Returns what was written.
-std::vector<std::filesystem::path> writeOutputs(const RenderSettings& s, const LoadedScene& loaded, const View& view,
-                                                const DisplayTransform& display, const Film& film, const Centres& centres,
-                                                Rendered& rendered) {
-    Picture picture =
-        pictureOf(film, s.aov.depth ? std::span<const float>(centres.depth) : std::span<const float>(), {s.aov.albedo, s.aov.normal});
-    const std::vector<float> rgb = interleavedBeauty(picture);
-    rendered.automaticExposure = !s.exposure;
-    rendered.exposure = s.exposure ? *s.exposure : autoExposure(rgb, centres.lamp);
-    picture.metadata = recipe(s, loaded, view, display, film, rendered);
-    const std::vector<std::filesystem::path> files = outputFiles(s, rendered.result.spp);
-    for (const std::filesystem::path& file : files) {
-        if (!isExr(file) && s.aov.cost) writeCostPictures(file, picture);
-        if (isExr(file))
-            writeExr(file, picture);
-        else
-            writePng(file, picture.window.width(), picture.window.height(), display.bytes(rgb, rendered.exposure), picture.metadata,
-                     display.srgb());
-    }
-    return files;
-}
-
-// Beside the PNGs among the files, where the cost was asked for.
-std::vector<std::filesystem::path> costFilesOf(const RenderSettings& s, std::span<const std::filesystem::path> files) {
-    std::vector<std::filesystem::path> all;
-    for (const std::filesystem::path& file : files)
-        if (s.aov.cost && !isExr(file))
-            for (const std::filesystem::path& cost : costFiles(file)) all.push_back(cost);
-    return all;
-}
-
-void warnDropped(const RenderSettings& s, const Job& job, const Integrator& integrator, const Film& film) {
-    const std::vector<DroppedSample> dropped = film.droppedSamples();
-    if (dropped.empty()) return;
-    const DroppedSample& first = dropped.front();
-    const auto* camera = dynamic_cast<const CameraIntegrator*>(&integrator);
-    if (!camera) { // its paths begin elsewhere: no sample of a pixel brings them back
-        job.notes.warn(
-            fmt::format("{} non-finite samples dropped, the first at pixel {},{}", film.dropped(), first.pixel.x, first.pixel.y));
-        return;
-    }
-    const PathStart start = startPixel(job, first.pixel, first.sample, camera->starts(job));
-    std::string material;
-    if (start.first) material = job.scene.material(job.scene.point(start.first, start.ray).material).name;
-    job.notes.warn(fmt::format("{} non-finite samples dropped{}. Reproduce: {}", film.dropped(),
-                               material.empty() ? "" : fmt::format(" (material \"{}\")", material), replayCommand(s, first)));
-}
-
 int exitCode(const RenderSettings& s, const RenderResult& result, const Diagnostics& notes) {
     if (result.ended == Ended::stopped) return int(Exit::stopped);
     return s.strict && !notes.warnings().empty() ? int(Exit::warning) : int(Exit::done);
 }
 
-// Scene, view and options are known: renders, writes, tells.
-int renderFilm(const RenderSettings& s, const LoadedScene& loaded, const View& view, const std::string& camera,
-               const DisplayTransform& display, const Executor& run, Diagnostics& notes, Console& console) {
-    const FilmLayout layout{.width = view.width,
-                            .height = view.height,
-                            .crop = view.crop,
-                            .layers = s.classes.layerNames(),
-                            .splats = s.integrator.entry->traits(s.integrator.options).splats,
-                            .costs = s.aov.cost,
-                            .photons = s.aov.photons || (s.aov.all && hasPhotons(s))};
-    checkMemory(s, layout);
-    Film film(layout);
+void tellResumed(const RenderSettings& s, const Checkpoint& c, const Console& console) {
+    console.phase("resume", fmt::format("{}: {} of {} to sample {}, {} so far", s.checkpoint.resume.string(), c.done - c.begin,
+                                        c.done - c.begin == 1 ? "sample" : "samples", c.done, duration(c.seconds)));
+}
+
+// What a resumed render has already; empty: it begins.
+struct Earlier {
+    std::optional<Checkpoint> checkpoint;
+    double seconds() const noexcept { return checkpoint ? checkpoint->seconds : 0; }
+    std::unique_ptr<Film> film(const RenderSettings& s, const FilmLayout& layout) {
+        if (checkpoint) return std::move(checkpoint->film);
+        return std::make_unique<Film>(layout, s.range ? s.range->begin : 0);
+    }
+};
+
+// All of a run that has a scene and a view.
+class Run {
+public:
+    Run(const RenderSettings& s, const LoadedScene& loaded, const View& view, const CameraDesc& camera, std::string cameraName,
+        const DisplayTransform& display, const Executor& run, Diagnostics& notes, Console& console)
+        : s_(s), loaded_(loaded), view_(view), display_(display), run_(run), notes_(notes), console_(console),
+          key_(renderKey(s, loaded, view, camera)) {
+        rendered_.camera = std::move(cameraName);
+    }
+    int render(Earlier earlier);
+
+private:
+    int finish(const Job&, const PreparedOnce&, const Film&, Keeper&, const Prepass*);
+    void fill(const Film&);
+    bool keep(Keeper&, const Film&, const Integrator&);
+
+    const RenderSettings& s_;
+    const LoadedScene& loaded_;
+    const View& view_;
+    const DisplayTransform& display_;
+    const Executor& run_;
+    Diagnostics& notes_;
+    Console& console_;
+    FileKey key_;
+    Rendered rendered_;
+};
+
+int Run::render(Earlier earlier) {
+    if (earlier.checkpoint) refuseOther(s_.checkpoint.resume, *earlier.checkpoint, key_);
+    const FilmLayout layout = filmLayout(s_, view_);
+    checkMemory(s_, *loaded_.scene, layout);
+    const std::unique_ptr<Film> film = earlier.film(s_, layout);
     StopToken stop;
     const StopOnSignal signals(stop);
-    ProgressBar progress(s.progress, s.quiet, s.budget.seconds);
-    const Work work{*loaded.scene, s.classes, view.shutter, s.seed, s.sampler, run, stop, progress, notes, memoryLimit(s)};
+    ProgressBar progress(s_.progress, s_.quiet, s_.budget.seconds);
+    const Work work{*loaded_.scene, s_.classes, view_.shutter, s_.seed, s_.sampler,
+                    run_,           stop,       progress,      notes_,  s_.scene.memory.beside(*loaded_.scene)};
     const auto begin = std::chrono::steady_clock::now();
-    PrepassSolver solver(s.prepass, s.scene);
+    const auto spent = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
+    PrepassSolver solver(s_.prepass, s_.scene);
     const SolvedPrepass solved = solver.solve(work);
     if (solver.choice() && !solved.field) {
-        console.line("stopped during the pre-pass; nothing written");
+        console_.line("stopped during the pre-pass; nothing written");
         return int(Exit::killed);
     }
-    tellPrepass(solver, solved, console);
-    const Job job{work, view, solved.field.get()};
-    PreparedOnce integrator(s.integrator.entry->make(s.integrator.options));
+    tellPrepass(solver, solved, console_);
+    const Job job{work, view_, solved.field.get()};
+    PreparedOnce integrator(s_.integrator.entry->make(s_.integrator.options));
     integrator.prepare(job);
-    console.facts(notes);
-    const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    const Budget budget{s.budget.spp, std::max(0.0, s.budget.seconds - spent)};
+    if (earlier.checkpoint) {
+        if (stop.cancelled()) {
+            console_.line(fmt::format("stopped before it went on; {} is as it was", s_.checkpoint.resume.string()));
+            return int(Exit::killed);
+        }
+        loadState(s_.checkpoint.resume, earlier.checkpoint->state, job, integrator);
+    }
+    console_.facts(notes_);
+    const double prepared = spent();
+    Budget budget = s_.budget;
+    budget.seconds = std::max(0.0, budget.seconds - prepared);
     progress.budget(budget.seconds);
+    rendered_.secondsBefore = earlier.seconds();
+    rendered_.prepassSeconds = solved.seconds;
+    rendered_.facts = solved.facts;
+    for (const Diagnostics::Fact& f : notes_.facts()) rendered_.facts.push_back(f);
 
-    Rendered rendered{.result = render(job, integrator, film, budget, stop), .mean = {}, .camera = camera};
+    Keeper keeper(s_, loaded_, view_, display_, job, key_);
+    const Keeping keeping{s_.checkpoint.every, [&] {
+                              rendered_.result.seconds = rendered_.secondsBefore + spent();
+                              keep(keeper, *film, integrator);
+                          }};
+    rendered_.result = chiaro::render(job, integrator, *film, budget, stop, keeping);
     progress.clear();
-    rendered.result.seconds += spent;
-    rendered.prepassSeconds = solved.seconds;
-    rendered.facts = solved.facts;
-    for (const Diagnostics::Fact& f : notes.facts()) rendered.facts.push_back(f);
-    if (rendered.result.ended == Ended::stopped && !anySample(film)) {
-        console.line("stopped before the first sample was done; nothing written");
+    rendered_.result.seconds += prepared + rendered_.secondsBefore;
+    if (rendered_.result.ended == Ended::stopped && !anySample(*film)) {
+        console_.line("stopped before the first sample was done; nothing written");
         return int(Exit::killed);
     }
-    rendered.noise = film.noise();
-    rendered.mean = film.meanLuminance();
-    warnDropped(s, job, integrator.inner(), film);
-    std::vector<std::filesystem::path> files = writeOutputs(s, loaded, view, display, film, seenAtCentres(job), rendered);
-    if (!s.photonMap.empty()) writePhotonMap(s, *loaded.scene, integrator.inner(), solved.field.get(), notes);
-    console.facts(notes); // what was found while rendering
-    console.warnings(notes);
-    const int code = exitCode(s, rendered.result, notes);
-    const std::vector<std::filesystem::path> costs = costFilesOf(s, files);
-    for (const std::filesystem::path& file : costs) console.phase("cost", fmt::format("{}  in false colour", file.string()));
-    tellDone(s, display, film, rendered, files, console);
+    return finish(job, integrator, *film, keeper, solved.field.get());
+}
+
+void Run::fill(const Film& film) {
+    rendered_.result.spp = film.done() - film.begin();
+    rendered_.noise = film.noise();
+    rendered_.noiseBound = film.noiseBound();
+    rendered_.mean = film.meanLuminance();
+}
+
+// False, and a warning: it could not be written. The one that was there is whole, and the render goes on.
+bool Run::keep(Keeper& keeper, const Film& film, const Integrator& integrator) {
+    try {
+        keeper.write(film, integrator, rendered_);
+        return true;
+    } catch (const Error& e) { notes_.warn(e.what()); }
+    return false;
+}
+
+// The checkpoint first: all else can be made from it.
+int Run::finish(const Job& job, const PreparedOnce& integrator, const Film& film, Keeper& keeper, const Prepass* field) {
+    fill(film);
+    warnDropped(s_, job, integrator.inner(), film);
+    const bool stopped = rendered_.result.ended == Ended::stopped;
+    const bool wanted = s_.checkpoint.atEnd || stopped, kept = wanted && keep(keeper, film, integrator);
+    if (kept) rendered_.checkpoint = s_.checkpoint.file;
+    const PictureRequest pictures{
+        outputFiles(s_, rendered_.result.spp), s_.aov, display_, s_.exposure, keeper.centres().depth, keeper.centres().lamp};
+    rendered_.automaticExposure = !s_.exposure;
+    rendered_.exposure = exposureOf(pictures, film);
+    writePictures(pictures, film, rendered_.exposure, recipe(s_, loaded_, view_, display_, film, rendered_));
+    if (!s_.photonMap.empty()) writePhotonMap(s_, *loaded_.scene, integrator.inner(), field, notes_);
+    console_.facts(notes_); // what was found while rendering
+    console_.warnings(notes_);
+    const int code = wanted && !kept ? int(Exit::resources) : exitCode(s_, rendered_.result, notes_);
+    std::vector<std::filesystem::path> files = pictures.files;
+    const std::vector<std::filesystem::path> costs = costFilesOf(s_.aov, files);
+    for (const std::filesystem::path& file : costs) console_.phase("cost", fmt::format("{}  in false colour", file.string()));
+    tellDone(s_, display_, film, rendered_, files, console_);
     files.insert(files.end(), costs.begin(), costs.end());
-    if (s.json) printSummary(s, loaded, view, display, film, rendered, files, notes, code);
+    if (s_.json) printSummary(s_, loaded_, view_, display_, film, rendered_, files, notes_, code);
     return code;
+}
+
+void checkOutputs(const RenderSettings& s) {
+    const std::vector<std::filesystem::path> files = outputFiles(s, s.budget.spp);
+    for (const std::filesystem::path& file : files) checkWritable(file);
+    for (const std::filesystem::path& file : costFilesOf(s.aov, files)) checkWritable(file);
+    checkWritable(s.checkpoint.file);
+    PrepassSolver(s.prepass, s.scene).checkFile();
+    checkPhotons(s);
+    if (!s.photonMap.empty()) checkWritable(s.photonMap);
 }
 
 } // namespace
 
-int runRender(const Arguments& arguments) {
-    const RenderSettings s = readSettings(arguments);
+int runRender(const Arguments& typed) {
+    Earlier earlier;
+    Arguments arguments = typed;
+    if (typed.given("resume")) arguments = continued(typed, readCheckpointHead(typed.text("resume")));
+    RenderSettings s = readSettings(arguments);
     Console console(s.quiet);
     Diagnostics notes;
     const DisplayTransform display(s.ocio, s.view);
     if (!display.note().empty()) notes.warn(display.note());
     const Executor run(s.threads);
     const bool replay = !s.pixel.empty();
-    if (!replay) {
-        const std::vector<std::filesystem::path> files = outputFiles(s, s.budget.spp);
-        for (const std::filesystem::path& file : files) checkWritable(file);
-        for (const std::filesystem::path& file : costFilesOf(s, files)) checkWritable(file);
-        PrepassSolver(s.prepass, s.scene).checkFile();
-        checkPhotons(s);
-        if (!s.photonMap.empty()) checkWritable(s.photonMap);
-    }
+    if (!replay) checkOutputs(s);
 
     tellHeader(s, run, console);
-    const LoadedScene loaded = loadScene(s.scene, notes);
+    const LoadedScene loaded = loadScene(s.scene, notes, run);
     CameraDesc camera;
     bool automatic = false;
     const View view = makeView(s, loaded, camera, automatic);
@@ -183,9 +216,14 @@ int runRender(const Arguments& arguments) {
     tellLens(s.lens, camera.lens, console);
     if (const auto unseen = unseenPaths(*loaded.scene, s.integrator, s.paths, s.prepass.get())) notes.warn(*unseen);
     console.warnings(notes);
-    if (replay) return replaySample(s, loaded, view, run, notes, console);
+    if (replay) return replaySample(s, loaded, view, cameraName, run, notes, console);
+    if (typed.given("resume")) {
+        earlier.checkpoint = readCheckpoint(s.checkpoint.resume, s.scene.memory.beside(*loaded.scene));
+        chargeTime(s, typed, *earlier.checkpoint);
+    }
     tellIntegrator(s, view, console);
-    return renderFilm(s, loaded, view, cameraName, display, run, notes, console);
+    if (earlier.checkpoint) tellResumed(s, *earlier.checkpoint, console);
+    return Run(s, loaded, view, camera, cameraName, display, run, notes, console).render(std::move(earlier));
 }
 
 } // namespace chiaro::cli

@@ -1,4 +1,4 @@
-// One sample again, exactly: chiaro render --pixel x,y --sample n prints its value, chiaro trace its path.
+// One sample again, exactly: chiaro render --pixel x,y --sample n prints its value and path, chiaro trace those of several.
 #pragma once
 #include "tools/cli/settings.h"
 
@@ -12,7 +12,8 @@ struct Replayed {
 // log: told what the sample did; may be null.
 Replayed replay(const Job&, const CameraIntegrator&, Pixel, uint32_t sample, PathLog* log = nullptr);
 
-// The value on stdout; no file is touched.
-int replaySample(const RenderSettings&, const LoadedScene&, const View&, const Executor&, Diagnostics&, Console&);
+// The value and the path on stdout; no file is touched. camera: its name.
+int replaySample(const RenderSettings&, const LoadedScene&, const View&, const std::string& camera, const Executor&, Diagnostics&,
+                 Console&);
 
 } // namespace chiaro::cli

@@ -1,6 +1,8 @@
 #include "tools/cli/report.h"
 #include "tools/cli/integrator_list.h"
+#include "tools/cli/ledger.h"
 #include "tools/cli/version.h"
+#include "tools/judge/statistics.h"
 #include <algorithm>
 #include <cmath>
 #include <embree3/rtcore_config.h>
@@ -28,10 +30,6 @@ std::string trianglesText(const SceneCounts& c) {
     return text;
 }
 
-double relativeMeanError(const Rendered& r) { return r.mean.value > 0 ? 1.96 * r.mean.error / r.mean.value : NAN; } // 95 %, normal
-
-nlohmann::ordered_json finiteOrNull(double v) { return std::isfinite(v) ? nlohmann::ordered_json(v) : nlohmann::ordered_json(nullptr); }
-
 // The same scene and view by every integrator of the registry that transports light; empty: there is one alone.
 std::string compareCommand(const RenderSettings& s) {
     std::vector<std::string> names;
@@ -52,7 +50,45 @@ std::string joined(std::span<const std::filesystem::path> files) {
     return fmt::format("{}", fmt::join(names, ", "));
 }
 
+// "156/256 spp", "sample 80 of 64:128"
+std::string stoppedAt(const RenderSettings& s, const Film& film) {
+    if (s.range) return fmt::format("sample {} of {}:{}", film.done(), s.range->begin, s.range->end);
+    if (s.budget.spp >= 1u << 31) return fmt::format("{} spp", film.done());
+    return fmt::format("{}/{} spp", film.done(), s.budget.spp);
+}
+
+std::string resumeCommand(const RenderSettings& s, const std::filesystem::path& checkpoint) {
+    return fmt::format("chiaro render {} --resume {}", shellQuoted(s.scene.operand), shellQuoted(checkpoint.string()));
+}
+
 } // namespace
+
+double relativeInterval(const Film::Mean& m) {
+    return m.value > 0 ? judge::confidenceInterval({.difference = 0, .error = m.error, .dof = m.dof}, 0.05).high / m.value : NAN;
+}
+
+nlohmann::ordered_json finiteOrNull(double v) { return std::isfinite(v) ? nlohmann::ordered_json(v) : nlohmann::ordered_json(nullptr); }
+
+std::string doneText(const Film& film, const Rendered& r, bool biased, double noiseWanted) {
+    const std::string quiet = r.result.ended == Ended::noise ? fmt::format(" (below {} with 95 % confidence)", percent(noiseWanted)) : "";
+    const std::string before = r.secondsBefore > 0 ? fmt::format(" ({} before)", duration(r.secondsBefore)) : "";
+    return fmt::format("{} spp in {}{}   noise {}{}   mean +-{} (95 %{})   {} non-finite", r.result.spp, duration(r.result.seconds), before,
+                       percent(r.noise), quiet, percent(relativeInterval(r.mean)), biased ? ", of the noise alone" : "", film.dropped());
+}
+
+void tellPictures(std::span<const std::filesystem::path> files, const DisplayTransform& display, double exposure, bool automatic,
+                  const Console& console) {
+    const std::string text = fmt::format(fmt::runtime(automatic ? "{:.1f}" : "{:g}"), exposure);
+    const std::string keep = automatic ? fmt::format("      keep it with: --exposure {:.1f}", exposure) : "";
+    for (const std::filesystem::path& file : files) {
+        if (isExr(file))
+            console.phase("wrote", fmt::format("{}  linear Rec.709 float32, 1.0 = 1 cd/m2", file.string()));
+        else
+            console.phase("wrote",
+                          fmt::format("{}  {}{}, exposure {}{}{}", file.string(), display.display(),
+                                      display.view() == "Standard" ? "" : " " + display.view(), text, automatic ? " (auto)" : "", keep));
+    }
+}
 
 std::string embreeVersion() { return RTC_VERSION_STRING; }
 
@@ -77,12 +113,15 @@ void tellScene(const RenderSettings& s, const LoadedScene& loaded, const std::st
     if (const std::string time = timeText(s.scene, loaded); !time.empty()) console.phase("time", time);
     for (const std::string& line : loaded.added) console.phase("added", line);
     if (s.verbose)
-        console.phase("", fmt::format("radius {:.4g} m, textures {}, light {:.4g} lm, hash {:016x}", loaded.scene->radius(),
-                                      memorySize(double(c.textureBytes)), loaded.scene->lights().power(), loaded.scene->hash()));
+        console.phase("", fmt::format("radius {:.4g} m, {}, light {:.4g} lm, hash {:016x}", loaded.scene->radius(), sceneBytesText(c.bytes),
+                                      loaded.scene->lights().power(), loaded.scene->hash()));
 }
 
 void tellIntegrator(const RenderSettings& s, const View& view, const Console& console) {
-    std::string budget = s.budget.spp < 1u << 31 ? fmt::format("{} spp", s.budget.spp) : "";
+    std::string budget = s.range                   ? fmt::format("samples {}:{}", s.range->begin, s.range->end)
+                         : s.budget.spp < 1u << 31 ? fmt::format("{} spp", s.budget.spp)
+                                                   : "";
+    if (s.budget.noise > 0) budget += fmt::format("{}noise {}", budget.empty() ? "" : " or ", percent(s.budget.noise));
     if (std::isfinite(s.budget.seconds)) budget += fmt::format("{}{}", budget.empty() ? "" : " or ", duration(s.budget.seconds));
     std::string depth;
     if (s.integrator.entry->traits(s.integrator.options).lightTransport) {
@@ -99,20 +138,23 @@ void tellIntegrator(const RenderSettings& s, const View& view, const Console& co
 
 void tellDone(const RenderSettings& s, const DisplayTransform& display, const Film& film, const Rendered& r,
               std::span<const std::filesystem::path> files, const Console& console) {
-    const bool stopped = r.result.ended == Ended::stopped;
-    if (stopped) console.line(fmt::format("stopped at {}/{} spp; wrote {}", r.result.spp, s.budget.spp, joined(files)));
-    console.phase("done", fmt::format("{} spp in {}   noise {}   mean +-{} (95 %)   {} non-finite", r.result.spp,
-                                      duration(r.result.seconds), percent(r.noise), percent(relativeMeanError(r)), film.dropped()));
-    const std::string exposure = fmt::format(fmt::runtime(r.automaticExposure ? "{:.1f}" : "{:g}"), r.exposure);
-    const std::string keep = r.automaticExposure ? fmt::format("      keep it with: --exposure {:.1f}", r.exposure) : "";
-    for (const std::filesystem::path& file : files) {
-        if (isExr(file))
-            console.phase("wrote", fmt::format("{}  linear Rec.709 float32, 1.0 = 1 cd/m2", file.string()));
-        else
-            console.phase("wrote", fmt::format("{}  {}{}, exposure {}{}{}", file.string(), display.display(),
-                                               display.view() == "Standard" ? "" : " " + display.view(), exposure,
-                                               r.automaticExposure ? " (auto)" : "", keep));
+    const bool stopped = r.result.ended == Ended::stopped, kept = !r.checkpoint.empty();
+    if (stopped) {
+        std::vector<std::filesystem::path> all(files.begin(), files.end());
+        if (kept) all.push_back(r.checkpoint);
+        console.line(fmt::format("stopped at {}; wrote {}.{}", stoppedAt(s, film), joined(all),
+                                 kept ? " Continue: " + resumeCommand(s, r.checkpoint) : std::string()));
     }
+    const Traits traits = traitsWith(s.integrator, s.prepass.get());
+    console.phase("done", doneText(film, r, traits.lightTransport && !traits.unbiased, s.budget.noise) +
+                              fmt::format("   peak {}", memorySize(double(peakBytes()))));
+    tellPictures(files, display, r.exposure, r.automaticExposure, console);
+    if (kept) console.phase("kept", fmt::format("{}  samples {}:{}", r.checkpoint.string(), film.begin(), film.done()));
+    if (s.range) {
+        if (!stopped) console.phase("next", "all parts as one picture: chiaro merge PART...");
+        return;
+    }
+    if (kept && !stopped) console.phase("next", fmt::format("more samples: {} --spp {}", resumeCommand(s, r.checkpoint), 2 * r.result.spp));
     if (!stopped && r.noise > 0.01 && r.result.spp < 1u << 20)
         console.phase("next", fmt::format("half the noise: {} --spp {}", sameSamples(s), 4 * std::max(1u, r.result.spp)));
     if (const std::string compare = compareCommand(s); !stopped && !compare.empty()) console.phase("next", compare);
@@ -126,7 +168,10 @@ nlohmann::ordered_json factsJson(const std::vector<Diagnostics::Fact>& facts) {
 
 void printSummary(const RenderSettings& s, const LoadedScene& loaded, const View& view, const DisplayTransform& display, const Film& film,
                   const Rendered& r, std::span<const std::filesystem::path> files, const Diagnostics& notes, int code) {
-    const char* ended = r.result.ended == Ended::spp ? "spp" : r.result.ended == Ended::time ? "time" : "stopped";
+    const char* ended = r.result.ended == Ended::spp     ? "spp"
+                        : r.result.ended == Ended::time  ? "time"
+                        : r.result.ended == Ended::noise ? "noise"
+                                                         : "stopped";
     std::vector<std::string> names;
     for (const auto& f : files) names.push_back(f.string());
     const nlohmann::ordered_json summary{
@@ -145,15 +190,21 @@ void printSummary(const RenderSettings& s, const LoadedScene& loaded, const View
         {"spp", r.result.spp},
         {"seconds", r.result.seconds},
         {"ended", ended},
+        {"samples", {film.begin(), film.done()}},
         {"noise", finiteOrNull(r.noise)},
+        {"noiseBound", finiteOrNull(r.noiseBound)},
         {"mean", finiteOrNull(r.mean.value)},
         {"meanError", finiteOrNull(r.mean.error)},
+        {"meanInterval", finiteOrNull(relativeInterval(r.mean))},
         {"dropped", film.dropped()},
+        {"ledger", ledgerJson(s, film)},
+        {"memory", {{"peak", peakBytes()}, {"limit", s.scene.memory.bytes}, {"scene", sceneBytesJson(loaded.scene->counts().bytes)}}},
         {"isa", loaded.scene->isa()},
         {"exposure", r.exposure},
         {"display", display.display()},
         {"view", display.view()},
         {"files", names},
+        {"checkpoint", r.checkpoint.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(r.checkpoint.string())},
         {"facts", factsJson(r.facts)},
         {"warnings", notes.warnings()},
         {"exit", code},

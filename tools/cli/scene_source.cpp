@@ -40,6 +40,13 @@ EnvironmentDesc environmentNamed(const std::string& name, Diagnostics& notes) {
     return readEnvironment(name, notes);
 }
 
+// Of a picture that is named; 0 for the small ones of the program.
+uint64_t environmentTexels(const std::string& name) {
+    if (name.empty() || name == "none" || name == "studio" || name == "white") return 0;
+    const PictureSize size = pictureSize(std::filesystem::path(name));
+    return uint64_t(size.width) * uint64_t(size.height);
+}
+
 void lightScene(SceneDesc& desc, const SceneRequest& request, LoadedScene& loaded, Diagnostics& notes) {
     loaded.environment = desc.environment ? "of the scene" : "none";
     if (request.env == "none") {
@@ -120,15 +127,23 @@ SceneRequest readSceneRequest(const Arguments& arguments) {
         request.isa = arguments.text("isa");
         parseChoice("isa", request.isa, {"sse2", "sse4.2", "avx", "avx2", "avx512"});
     }
+    request.memory = readMemoryBudget(arguments);
     return request;
 }
 
-LoadedScene loadScene(const SceneRequest& request, Diagnostics& notes, const std::function<void(const SceneDesc&)>& look) {
+LoadedScene loadScene(const SceneRequest& request, Diagnostics& notes, const Executor& run,
+                      const std::function<void(const SceneDesc&)>& look) {
     const auto begin = std::chrono::steady_clock::now();
     LoadedScene loaded;
     SceneDesc desc;
+    const uint64_t skyTexels = environmentTexels(request.env);
+    const auto admit = [&](SceneSizes ofFile) {
+        ofFile.skyTexels = skyTexels;
+        admitScene(request.operand, ofFile, request.memory);
+    };
     if (request.operand.starts_with('@')) {
         const BuiltinScene& builtin = builtinNamed(request.operand);
+        admit({});
         desc = builtin.make();
         loaded.size = Size{builtin.width, builtin.height};
         if (builtin.animate && request.animation != "none") {
@@ -137,17 +152,17 @@ LoadedScene loadScene(const SceneRequest& request, Diagnostics& notes, const std
         }
     } else {
         GltfContents found;
-        desc = readGltf(
-            request.operand,
-            {request.greyTextures ? MissingTexture::grey : MissingTexture::error, request.frameTime, request.shutter, request.animation},
-            notes, &found);
+        desc = readGltf(request.operand,
+                        {request.greyTextures ? MissingTexture::grey : MissingTexture::error, request.frameTime, request.shutter,
+                         request.animation, &run, admit},
+                        notes, &found);
         loaded.animations = std::move(found.animations);
         loaded.origin = std::move(found.origin);
     }
     noteTime(request, desc, loaded, notes);
     lightScene(desc, request, loaded, notes);
     if (look) look(desc);
-    loaded.scene = Scene::compile(std::move(desc), notes, request.isa);
+    loaded.scene = Scene::compile(std::move(desc), notes, request.isa, &run);
     loaded.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return loaded;
 }

@@ -5,6 +5,7 @@
 #include "core/scene/scene.h"
 #include "io/gltf.h"
 #include "tools/cli/console.h"
+#include "tools/cli/memory.h"
 #include "tools/cli/values.h"
 #include <functional>
 #include <memory>
@@ -25,6 +26,7 @@ struct SceneRequest {
     Interval shutter;      // relative to it
     std::string animation; // as typed; empty: the first
     std::string isa;
+    MemoryBudget memory;
     std::string stem() const; // for file names: "cornell", "room"
 };
 // Of the options that render and info share. Throws Error: a bad value, a built-in that does not exist.
@@ -39,8 +41,8 @@ struct LoadedScene {
     GltfOrigin origin;                     // what of the file the description shows
     std::vector<std::string> added;        // "no light ...: ..."; with the option that fixes it
 };
-// look: sees the description before it is compiled (and gone).
-LoadedScene loadScene(const SceneRequest&, Diagnostics&, const std::function<void(const SceneDesc&)>& look = {});
+// look: sees the description before it is compiled (and gone). Throws Error(Exit::resources) before anything is read that would not fit.
+LoadedScene loadScene(const SceneRequest&, Diagnostics&, const Executor&, const std::function<void(const SceneDesc&)>& look = {});
 
 // A neutral photo studio as light: grey room of about 1 cd/m2, a bright soft box above the viewer's left shoulder, a weaker one to the
 // right, a darker floor. Latitude-longitude, 256 x 128.

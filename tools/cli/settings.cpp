@@ -1,5 +1,6 @@
 #include "tools/cli/settings.h"
 #include "scenes/builtin.h"
+#include "tools/cli/photon_output.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -43,16 +44,29 @@ IntegratorChoice readIntegrator(const Arguments& arguments) {
     return choice;
 }
 
-std::vector<std::string> readOutputs(const Arguments& arguments) {
-    const std::vector<std::string> outputs = arguments.all("output");
-    if (outputs.empty()) return {"{scene}.exr", "{scene}.png"};
-    for (const std::string& o : outputs) {
-        if (o == "-") throw Error(Exit::usage, "-o -: a picture does not go to stdout; give a file name ending in .exr or .png");
-        const std::string extension = std::filesystem::path(o).extension().string();
-        if (extension != ".exr" && extension != ".png")
-            throw Error(Exit::usage, fmt::format("-o {}: chiaro writes .exr and .png; give one of these endings", o));
-    }
-    return outputs;
+SampleRange readRange(const std::string& text) {
+    const std::size_t colon = text.find(':');
+    if (colon == text.npos)
+        throw Error(Exit::usage, fmt::format("--sample-range {}: give first and end, like 64:128 for the samples 64 to 127", text));
+    const auto number = [&](const std::string& part) { return uint32_t(parseWhole("sample-range", part, 0, 1u << 31)); };
+    const SampleRange r{number(text.substr(0, colon)), number(text.substr(colon + 1))};
+    if (r.begin >= r.end) throw Error(Exit::usage, fmt::format("--sample-range {}: no sample is in it; the end is not included", text));
+    return r;
+}
+
+void checkRange(const Arguments& a, const RenderSettings& s) {
+    const std::string text = a.text("sample-range");
+    if (a.given("noise"))
+        throw Error(Exit::usage, fmt::format("--noise ends a render where its noise says so, --sample-range {} at a fixed sample; "
+                                             "leave one of them out",
+                                             text));
+    if (a.given("spp") && s.budget.spp < s.range->end)
+        throw Error(Exit::usage, fmt::format("--sample-range {} goes beyond --spp {}", text, s.budget.spp));
+    if (!s.integrator.entry->traits(s.integrator.options).mergeable)
+        throw Error(Exit::unsupported,
+                    fmt::format("--sample-range: {} remembers what earlier samples found, so that ranges of them cannot be "
+                                "rendered apart (chiaro integrators {})",
+                                integratorRecipe(s.integrator), s.integrator.entry->name));
 }
 
 void replaceAll(std::string& text, std::string_view from, const std::string& to) {
@@ -71,7 +85,69 @@ Size sizeOf(const RenderSettings& settings, const LoadedScene& loaded, const Cam
     return {1280, uint32_t(std::clamp(std::round(1280 / (aspect > 0 && std::isfinite(aspect) ? aspect : 16.0 / 9.0)), 1.0, 65536.0))};
 }
 
+std::string expanded(const std::string& name, const RenderSettings& s, uint32_t spp) {
+    return expandedName(name, s.scene.stem(), std::string(s.integrator.entry->name), spp);
+}
+
+// How long, and what is kept of it.
+void readBudget(const Arguments& a, RenderSettings& s) {
+    constexpr uint32_t unlimitedSpp = 1u << 31, quietSpp = 1u << 16; // no noise that can be reached needs more
+    s.budget.spp = uint32_t(parseWhole("spp", a.text("spp"), 1, unlimitedSpp));
+    if (a.given("time")) s.budget.seconds = parseDuration("time", a.text("time"));
+    if (a.given("noise")) s.budget.noise = parsePercent("noise", a.text("noise"));
+    if (a.given("sample-range")) {
+        s.range = readRange(a.text("sample-range"));
+        checkRange(a, s);
+        s.budget.spp = s.range->end;
+    }
+    if (a.given("spp") || s.range) return;
+    if (const BuiltinScene* builtin = findBuiltin(s.scene.operand)) s.budget.spp = builtin->spp;
+    if (const uint32_t pattern = patternSamples(s.integrator); pattern > 0) s.budget.spp = pattern;
+    // A time or a noise alone is the budget; the default number of samples would end it early.
+    if (a.given("noise")) s.budget.spp = quietSpp;
+    if (a.given("time")) s.budget.spp = unlimitedSpp;
+}
+
+void readKeeping(const Arguments& a, RenderSettings& s, std::string named) {
+    CheckpointSettings& c = s.checkpoint;
+    c.resume = a.text("resume");
+    if (a.given("checkpoint-every")) c.every = parseDuration("checkpoint-every", a.text("checkpoint-every"));
+    c.atEnd = !named.empty() || a.given("resume") || a.given("checkpoint-every") || s.range;
+    if (named.empty()) named = c.resume.string();
+    if (named.empty() && s.outputs.empty()) named = fmt::format("{{scene}}.{}-{}.chk", s.range->begin, s.range->end);
+    if (named.empty()) named = std::filesystem::path(s.outputs.front()).replace_extension(".chk").string();
+    c.file = expanded(named, s, s.budget.spp);
+}
+
 } // namespace
+
+std::vector<std::string> readOutputs(const Arguments& arguments, std::vector<std::string> standard, std::string& checkpoint) {
+    const std::vector<std::string> outputs = arguments.all("output");
+    if (outputs.empty()) return standard;
+    std::vector<std::string> pictures;
+    for (const std::string& o : outputs) {
+        if (o == "-") throw Error(Exit::usage, "-o -: a picture does not go to stdout; give a file name ending in .exr or .png");
+        const std::string ending = std::filesystem::path(o).extension().string();
+        if (ending != ".exr" && ending != ".png" && ending != ".chk")
+            throw Error(Exit::usage,
+                        fmt::format("-o {}: chiaro writes .exr and .png, and checkpoints as .chk; give one of these endings", o));
+        if (ending != ".chk") {
+            pictures.push_back(o);
+            continue;
+        }
+        if (!checkpoint.empty())
+            throw Error(Exit::usage, fmt::format("-o {}: there is one checkpoint a render, and {} is it", o, checkpoint));
+        checkpoint = o;
+    }
+    return pictures;
+}
+
+std::string expandedName(std::string pattern, const std::string& scene, const std::string& integrator, uint32_t spp) {
+    replaceAll(pattern, "{scene}", scene);
+    replaceAll(pattern, "{integrator}", integrator);
+    replaceAll(pattern, "{spp}", std::to_string(spp));
+    return pattern;
+}
 
 void readFrame(const Arguments& a, RenderSettings& s) {
     if (a.given("max-depth")) s.paths.maxDepth = uint32_t(parseWhole("max-depth", a.text("max-depth"), 0, unlimitedDepth - 1));
@@ -86,7 +162,6 @@ void readFrame(const Arguments& a, RenderSettings& s) {
     s.camera = a.text("camera");
     s.lens = readLens(a);
     s.prepass = readPrepass(a);
-    if (a.given("max-memory")) s.maxMemory = parseMemory("max-memory", a.text("max-memory"));
 }
 
 RenderSettings readSettings(const Arguments& a) {
@@ -94,12 +169,7 @@ RenderSettings readSettings(const Arguments& a) {
     s.arguments = &a;
     s.scene = readSceneRequest(a);
     s.integrator = readIntegrator(a);
-    s.budget.spp = uint32_t(parseWhole("spp", a.text("spp"), 1, 1u << 31));
-    if (a.given("time")) s.budget.seconds = parseDuration("time", a.text("time"));
-    if (const BuiltinScene* builtin = findBuiltin(s.scene.operand); builtin && !a.given("spp")) s.budget.spp = builtin->spp;
-    if (const uint32_t pattern = patternSamples(s.integrator); pattern > 0 && !a.given("spp")) s.budget.spp = pattern;
-    // A time alone is the budget; the default number of samples would end it early.
-    if (a.given("time") && !a.given("spp")) s.budget.spp = 1u << 31;
+    readBudget(a, s);
     readFrame(a, s);
     requireTaker(s.prepass, {s.integrator});
     s.crop = a.text("crop");
@@ -110,7 +180,11 @@ RenderSettings readSettings(const Arguments& a) {
     if (a.text("exposure") != "auto") s.exposure = parseReal("exposure", a.text("exposure"), -100, 100);
     s.view = a.text("view");
     s.ocio = a.text("ocio");
-    s.outputs = readOutputs(a);
+    std::string checkpoint;
+    std::vector<std::string> pictures;
+    if (!s.range) pictures = {"{scene}.exr", "{scene}.png"}; // a part is no picture
+    s.outputs = readOutputs(a, std::move(pictures), checkpoint);
+    readKeeping(a, s, std::move(checkpoint));
     s.aov = readLayers(a.text("aov"));
     s.photonMap = a.text("photon-map");
     if (!s.photonMap.empty() && s.photonMap.extension() != ".glb")
@@ -123,12 +197,20 @@ RenderSettings readSettings(const Arguments& a) {
     return s;
 }
 
+FilmLayout filmLayout(const RenderSettings& s, const View& view) {
+    return {.width = view.width,
+            .height = view.height,
+            .crop = view.crop,
+            .layers = s.classes.layerNames(),
+            .splats = s.integrator.entry->traits(s.integrator.options).splats,
+            .costs = s.aov.cost,
+            .photons = s.aov.photons || (s.aov.all && hasPhotons(s))};
+}
+
 std::vector<std::filesystem::path> outputFiles(const RenderSettings& settings, uint32_t spp) {
     std::vector<std::filesystem::path> files;
-    for (std::string name : settings.outputs) {
-        replaceAll(name, "{scene}", settings.scene.stem());
-        replaceAll(name, "{integrator}", std::string(settings.integrator.entry->name));
-        replaceAll(name, "{spp}", std::to_string(spp));
+    for (const std::string& pattern : settings.outputs) {
+        const std::string name = expanded(pattern, settings, spp);
         if (std::find(files.begin(), files.end(), name) != files.end()) throw Error(Exit::usage, fmt::format("-o {} is named twice", name));
         files.emplace_back(name);
     }
@@ -151,18 +233,6 @@ View makeView(const RenderSettings& settings, const LoadedScene& loaded, CameraD
     view.crop = settings.crop.empty() ? Rect{0, 0, size.width, size.height} : parseCrop("crop", settings.crop, size);
     view.filter = Filter(settings.filter);
     return view;
-}
-
-std::size_t memoryLimit(const RenderSettings& s) {
-    constexpr double share = 0.8;
-    if (s.maxMemory) return *s.maxMemory;
-    const std::size_t physical = physicalBytes();
-    return physical == 0 ? ~std::size_t(0) : std::size_t(share * double(physical));
-}
-
-std::string memoryLimitText(const RenderSettings& s) {
-    return s.maxMemory ? fmt::format("--max-memory is {}", memorySize(double(*s.maxMemory)))
-                       : fmt::format("this machine has {}", memorySize(double(physicalBytes())));
 }
 
 std::string samplerName(SamplerKind kind) { return kind == SamplerKind::sobol ? "sobol" : "independent"; }

@@ -149,7 +149,8 @@ int runTrace(const Arguments& arguments) {
     Console console(arguments.on("quiet"));
     Diagnostics notes;
     if (!s.output.empty()) checkWritable(s.output);
-    const LoadedScene loaded = loadScene(common.scene, notes);
+    const Executor run(common.threads);
+    const LoadedScene loaded = loadScene(common.scene, notes, run);
     CameraDesc camera;
     bool automatic = false;
     const View view = makeView(common, loaded, camera, automatic);
@@ -162,14 +163,14 @@ int runTrace(const Arguments& arguments) {
                 .pixel = parsePixel("pixel", s.pixel, {view.width, view.height}),
                 .sides = {}};
     tellScene(common, loaded, trace.camera, console);
-    const Executor run(common.threads);
     Progress silent;
     StopToken stop;
     const StopOnSignal signals(stop);
     PrepassSolver solver(readPrepass(arguments), common.scene);
     for (const TraceSide& side : s.sides) {
         const RenderSettings& o = side.settings;
-        const Work work{*loaded.scene, o.classes, view.shutter, o.seed, o.sampler, run, stop, silent, notes, memoryLimit(o)};
+        const Work work{*loaded.scene, o.classes, view.shutter, o.seed, o.sampler,
+                        run,           stop,      silent,       notes,  common.scene.memory.beside(*loaded.scene)};
         const SolvedPrepass solved = o.prepass.choice ? solver.solve(work) : SolvedPrepass();
         tellPrepass(solver, solved, console);
         const Job job{work, view, solved.field.get()};

@@ -62,6 +62,14 @@ double parseReal(std::string_view option, const std::string& text, double least,
     return *value;
 }
 
+double parsePercent(std::string_view option, const std::string& text) {
+    std::string_view number = text;
+    while (number.ends_with('%') || number.ends_with(' ')) number.remove_suffix(1);
+    const auto value = wholeReal(number);
+    if (!value || *value < 1e-3 || *value > 100) bad(option, text, "a percentage from 0.001 to 100, like 2%");
+    return *value / 100;
+}
+
 double parseDuration(std::string_view option, const std::string& text) {
     std::string_view number = text;
     double unit = 1;

@@ -15,6 +15,7 @@ struct Size {
 
 uint64_t parseWhole(std::string_view option, const std::string& text, uint64_t least, uint64_t most); // 2k, 1M are understood
 double parseReal(std::string_view option, const std::string& text, double least, double most);
+double parsePercent(std::string_view option, const std::string& text);     // "2%" or "2" as 0.02
 double parseDuration(std::string_view option, const std::string& text);    // seconds; "30s", "5m", "2h", "1.5h", "90"
 std::size_t parseMemory(std::string_view option, const std::string& text); // bytes; "500M", "32G", "1.5GB", powers of ten
 Size parseSize(std::string_view option, const std::string& text);          // "1280x720"

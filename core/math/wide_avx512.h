@@ -1,0 +1,142 @@
+// Sixteen lanes in AVX-512 registers. Included by core/math/wide_lanes.h.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <immintrin.h>
+
+#define CHIARO_LANE [[gnu::always_inline]] inline
+
+namespace chiaro::avx512 {
+
+struct Mask {
+    __mmask16 m;
+    CHIARO_LANE Mask() noexcept : m(0) {}
+    CHIARO_LANE explicit Mask(uint32_t bits) noexcept : m(__mmask16(bits)) {}
+    CHIARO_LANE uint32_t bits() const noexcept { return m; }
+};
+struct Int {
+    using value_type = uint32_t;
+    __m512i v;
+    Int() = default;
+    CHIARO_LANE Int(__m512i a) noexcept : v(a) {}
+    CHIARO_LANE Int(uint32_t a) noexcept : v(_mm512_set1_epi32(int(a))) {}
+    CHIARO_LANE explicit Int(const uint32_t* p) noexcept : v(_mm512_loadu_si512(p)) {}
+    CHIARO_LANE void store(uint32_t* p) const noexcept { _mm512_storeu_si512(p, v); }
+};
+struct Float {
+    using value_type = float;
+    __m512 v;
+    Float() = default;
+    CHIARO_LANE Float(__m512 a) noexcept : v(a) {}
+    CHIARO_LANE Float(float a) noexcept : v(_mm512_set1_ps(a)) {}
+    CHIARO_LANE explicit Float(const float* p) noexcept : v(_mm512_loadu_ps(p)) {}
+    CHIARO_LANE void store(float* p) const noexcept { _mm512_storeu_ps(p, v); }
+};
+struct Long { // 64 bits a lane: the first eight lanes, the last eight
+    __m512i a, b;
+};
+
+CHIARO_LANE Mask operator&(Mask a, Mask b) noexcept { return Mask(uint32_t(a.m & b.m)); }
+CHIARO_LANE Mask operator|(Mask a, Mask b) noexcept { return Mask(uint32_t(a.m | b.m)); }
+CHIARO_LANE Mask operator^(Mask a, Mask b) noexcept { return Mask(uint32_t(a.m ^ b.m)); }
+CHIARO_LANE Mask operator~(Mask a) noexcept { return Mask(uint32_t(~a.m)); }
+
+CHIARO_LANE Float operator+(Float a, Float b) noexcept { return _mm512_add_ps(a.v, b.v); }
+CHIARO_LANE Float operator-(Float a, Float b) noexcept { return _mm512_sub_ps(a.v, b.v); }
+CHIARO_LANE Float operator*(Float a, Float b) noexcept { return _mm512_mul_ps(a.v, b.v); }
+CHIARO_LANE Float operator/(Float a, Float b) noexcept { return _mm512_div_ps(a.v, b.v); }
+CHIARO_LANE Float operator-(Float a) noexcept { return _mm512_xor_ps(a.v, _mm512_set1_ps(-0.f)); }
+CHIARO_LANE Mask operator<(Float a, Float b) noexcept { return Mask(uint32_t(_mm512_cmp_ps_mask(a.v, b.v, _CMP_LT_OQ))); }
+CHIARO_LANE Mask operator>(Float a, Float b) noexcept { return Mask(uint32_t(_mm512_cmp_ps_mask(a.v, b.v, _CMP_GT_OQ))); }
+CHIARO_LANE Mask operator<=(Float a, Float b) noexcept { return Mask(uint32_t(_mm512_cmp_ps_mask(a.v, b.v, _CMP_LE_OQ))); }
+CHIARO_LANE Mask operator>=(Float a, Float b) noexcept { return Mask(uint32_t(_mm512_cmp_ps_mask(a.v, b.v, _CMP_GE_OQ))); }
+CHIARO_LANE Mask operator==(Float a, Float b) noexcept { return Mask(uint32_t(_mm512_cmp_ps_mask(a.v, b.v, _CMP_EQ_OQ))); }
+CHIARO_LANE Mask operator!=(Float a, Float b) noexcept { return Mask(uint32_t(_mm512_cmp_ps_mask(a.v, b.v, _CMP_NEQ_UQ))); }
+// With NaN the first argument is returned, as by the scalar functions of core/math/number.h.
+CHIARO_LANE Float min(Float a, Float b) noexcept { return _mm512_min_ps(b.v, a.v); }
+CHIARO_LANE Float max(Float a, Float b) noexcept { return _mm512_max_ps(b.v, a.v); }
+CHIARO_LANE Float abs(Float a) noexcept { return _mm512_andnot_ps(_mm512_set1_ps(-0.f), a.v); }
+CHIARO_LANE Float sqrt(Float a) noexcept { return _mm512_sqrt_ps(a.v); }
+CHIARO_LANE Float roundNearest(Float a) noexcept { return _mm512_roundscale_ps(a.v, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC); }
+CHIARO_LANE Float floor(Float a) noexcept { return _mm512_roundscale_ps(a.v, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC); }
+CHIARO_LANE Float copysign(Float a, Float b) noexcept {
+    return _mm512_castsi512_ps(
+        _mm512_ternarylogic_epi32(_mm512_set1_epi32(int(0x80000000u)), _mm512_castps_si512(b.v), _mm512_castps_si512(a.v), 0xca));
+}
+CHIARO_LANE Float select(Mask m, Float yes, Float no) noexcept { return _mm512_mask_blend_ps(m.m, no.v, yes.v); }
+CHIARO_LANE Int select(Mask m, Int yes, Int no) noexcept { return _mm512_mask_blend_epi32(m.m, no.v, yes.v); }
+
+CHIARO_LANE Int operator+(Int a, Int b) noexcept { return _mm512_add_epi32(a.v, b.v); }
+CHIARO_LANE Int operator-(Int a, Int b) noexcept { return _mm512_sub_epi32(a.v, b.v); }
+CHIARO_LANE Int operator*(Int a, Int b) noexcept { return _mm512_mullo_epi32(a.v, b.v); }
+CHIARO_LANE Int operator&(Int a, Int b) noexcept { return _mm512_and_si512(a.v, b.v); }
+CHIARO_LANE Int operator|(Int a, Int b) noexcept { return _mm512_or_si512(a.v, b.v); }
+CHIARO_LANE Int operator^(Int a, Int b) noexcept { return _mm512_xor_si512(a.v, b.v); }
+CHIARO_LANE Int operator>>(Int a, uint32_t n) noexcept { return _mm512_srli_epi32(a.v, n); }
+CHIARO_LANE Int operator<<(Int a, uint32_t n) noexcept { return _mm512_slli_epi32(a.v, n); }
+CHIARO_LANE Mask operator==(Int a, Int b) noexcept { return Mask(uint32_t(_mm512_cmpeq_epi32_mask(a.v, b.v))); }
+CHIARO_LANE Mask operator!=(Int a, Int b) noexcept { return Mask(uint32_t(_mm512_cmpneq_epi32_mask(a.v, b.v))); }
+CHIARO_LANE Mask operator<(Int a, Int b) noexcept { return Mask(uint32_t(_mm512_cmplt_epu32_mask(a.v, b.v))); }
+CHIARO_LANE Mask operator>=(Int a, Int b) noexcept { return ~(a < b); }
+CHIARO_LANE Float bitsAsFloat(Int a) noexcept { return _mm512_castsi512_ps(a.v); }
+CHIARO_LANE Int floatAsBits(Float a) noexcept { return _mm512_castps_si512(a.v); }
+CHIARO_LANE Float toFloat(Int a) noexcept { return _mm512_cvtepi32_ps(a.v); } // below 2^31
+CHIARO_LANE Float wholeToFloat(Int a) noexcept { return _mm512_cvtepu32_ps(a.v); }
+CHIARO_LANE Int truncated(Float a) noexcept { return _mm512_cvttps_epi32(a.v); }
+
+CHIARO_LANE Int reverseBits(Int a) noexcept { // by halves of bytes, then the bytes
+    const __m512i half = _mm512_set1_epi8(15);
+    const __m512i table = _mm512_broadcast_i32x4(_mm_setr_epi8(0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15));
+    const __m512i turned = _mm512_broadcast_i32x4(_mm_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
+    const __m512i low = _mm512_shuffle_epi8(table, _mm512_and_si512(a.v, half));
+    const __m512i high = _mm512_shuffle_epi8(table, _mm512_and_si512(_mm512_srli_epi16(a.v, 4), half));
+    return _mm512_shuffle_epi8(_mm512_or_si512(_mm512_slli_epi16(low, 4), high), turned);
+}
+CHIARO_LANE Int lookUp(const uint32_t (&table)[16], Int i) noexcept { return _mm512_permutexvar_epi32(i.v, _mm512_load_si512(table)); }
+
+// Lanes that are not asked read nothing and give 0.
+CHIARO_LANE Float gather(const float* p, Int i, Mask m) noexcept { return _mm512_mask_i32gather_ps(_mm512_setzero_ps(), m.m, i.v, p, 4); }
+CHIARO_LANE Int gather(const uint32_t* p, Int i, Mask m) noexcept {
+    return _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), m.m, i.v, p, 4);
+}
+// The lanes of m side by side; sixteen elements are written. Compressed in registers: to memory it is slow on many processors.
+CHIARO_LANE void storePacked(float* p, Mask m, Float a) noexcept { _mm512_storeu_ps(p, _mm512_maskz_compress_ps(m.m, a.v)); }
+CHIARO_LANE void storePacked(uint32_t* p, Mask m, Int a) noexcept { _mm512_storeu_si512(p, _mm512_maskz_compress_epi32(m.m, a.v)); }
+
+// Four floats at p + at[lane], transposed.
+CHIARO_LANE void loadFour(const float* p, const uint32_t* at, Float& a, Float& b, Float& c, Float& d) noexcept {
+    __m512 r[4];
+    for (int k = 0; k < 4; ++k) {
+        __m512 x = _mm512_castps128_ps512(_mm_loadu_ps(p + at[k]));
+        x = _mm512_insertf32x4(x, _mm_loadu_ps(p + at[4 + k]), 1);
+        x = _mm512_insertf32x4(x, _mm_loadu_ps(p + at[8 + k]), 2);
+        r[k] = _mm512_insertf32x4(x, _mm_loadu_ps(p + at[12 + k]), 3);
+    }
+    const __m512 t0 = _mm512_unpacklo_ps(r[0], r[1]), t1 = _mm512_unpackhi_ps(r[0], r[1]), t2 = _mm512_unpacklo_ps(r[2], r[3]),
+                 t3 = _mm512_unpackhi_ps(r[2], r[3]);
+    a = _mm512_shuffle_ps(t0, t2, 0x44);
+    b = _mm512_shuffle_ps(t0, t2, 0xee);
+    c = _mm512_shuffle_ps(t1, t3, 0x44);
+    d = _mm512_shuffle_ps(t1, t3, 0xee);
+}
+
+CHIARO_LANE Long longs(Int low, Int high) noexcept {
+    const auto half = [&](__m256i l, __m256i h) {
+        return _mm512_or_si512(_mm512_cvtepu32_epi64(l), _mm512_slli_epi64(_mm512_cvtepu32_epi64(h), 32));
+    };
+    return {half(_mm512_castsi512_si256(low.v), _mm512_castsi512_si256(high.v)),
+            half(_mm512_extracti32x8_epi32(low.v, 1), _mm512_extracti32x8_epi32(high.v, 1))};
+}
+CHIARO_LANE Long longs(uint64_t x) noexcept { return {_mm512_set1_epi64(int64_t(x)), _mm512_set1_epi64(int64_t(x))}; }
+CHIARO_LANE Int low(Long x) noexcept {
+    return _mm512_inserti32x8(_mm512_castsi256_si512(_mm512_cvtepi64_epi32(x.a)), _mm512_cvtepi64_epi32(x.b), 1);
+}
+CHIARO_LANE Long operator>>(Long x, uint32_t n) noexcept { return {_mm512_srli_epi64(x.a, n), _mm512_srli_epi64(x.b, n)}; }
+CHIARO_LANE Long operator^(Long x, Long y) noexcept { return {_mm512_xor_si512(x.a, y.a), _mm512_xor_si512(x.b, y.b)}; }
+CHIARO_LANE Long operator+(Long x, Long y) noexcept { return {_mm512_add_epi64(x.a, y.a), _mm512_add_epi64(x.b, y.b)}; }
+CHIARO_LANE Long operator*(Long x, uint64_t k) noexcept {
+    const __m512i f = _mm512_set1_epi64(int64_t(k));
+    return {_mm512_mullo_epi64(x.a, f), _mm512_mullo_epi64(x.b, f)};
+}
+
+} // namespace chiaro::avx512

@@ -1,0 +1,148 @@
+// Light samples for sixteen receivers at once: Lights::sampleTowards() over lanes, from the tables of WideLights. The numbers choose the
+// same light and the same point on it. For files compiled for one instruction set (core/math/wide_lanes.h).
+#pragma once
+#include "core/math/warp.h"
+#include "core/math/wide_sampler.h"
+#include "core/scene/wide_lights.h"
+#include "core/scene/wide_point.h"
+
+namespace chiaro::CHIARO_ISA {
+
+struct WideLightSample {
+    Vec3w wi;
+    Rgbw radiance;
+    Float pdfW;
+    Vec3w o, d; // shadow ray
+    Float tfar;
+    Mask arrives, delta;
+};
+
+// The cell of each lane, or the sky.
+CHIARO_LANE void cells(const WideLights& lights, LightLanes& l) noexcept {
+    const double edge = lights.edge(), rest = 1 - edge, count = double(lights.finite());
+    const uint32_t last = lights.finite() - 1;
+    for (uint32_t k = 0; k < laneCount; ++k) {
+        const double u = double(l.pick[k]) * 0x1p-32, at = (u - edge) / rest * count;
+        const uint32_t cell = at > 0 ? uint32_t(at) : 0;
+        l.light[k] = u < edge ? LightLanes::sky : cell < last ? cell : last;
+    }
+}
+
+CHIARO_LANE void triangleSample(const Float (&w)[20], const WidePoint& at, const Vec2w& u, Mask m, WideLightSample& s) noexcept {
+    const Vec3w corner{w[0], w[1], w[2]}, e1{w[3], w[4], w[5]}, e2{w[6], w[7], w[8]};
+    const Vec2w b = uniformTriangle(u);
+    const Vec3w p = corner + e1 * b.x + e2 * b.y, ng = cross(e1, e2) * w[9], way = p - at.p;
+    const Float distanceSquared = lengthSquared(way);
+    const Vec3w wi = way * (Float(1.f) / sqrt(distanceSquared));
+    const Float cosine = -dot(wi, ng);
+    const Mask bothSides = (floatAsBits(w[16]) & Int(WideLight::doubleSided)) != Int(0u);
+    const Mask seen = m & (distanceSquared > Float(0.f)) & ((cosine > Float(0.f)) | (bothSides & (cosine < Float(0.f))));
+    const Vec3w from = offset(at.p, at.ng, at.error, way), d = offset(p, ng, w[15], -way) - from;
+    const Float distance = length(d);
+    s.wi = select(m, wi, s.wi);
+    s.radiance = select(m, {w[12], w[13], w[14]}, s.radiance);
+    s.pdfW = select(m, areaToSolidAngle(Float(1.f) / w[10], distanceSquared, cosine), s.pdfW);
+    s.o = select(m, from, s.o);
+    s.d = select(m, select(distance > Float(0.f), d * (Float(1.f) / distance), at.ng), s.d);
+    s.tfar = select(m, distance * Float(fault(Fault::shadowRayShort) ? 0.9f : 1 - 0x1p-20f), s.tfar);
+    s.arrives = s.arrives | (seen & notBlack(s.radiance));
+}
+
+CHIARO_LANE void punctualSample(const Float (&w)[20], const WidePoint& at, Mask m, WideLightSample& s) noexcept {
+    const Vec3w place{w[0], w[1], w[2]}, axis{w[3], w[4], w[5]}, way = place - at.p;
+    const Int flags = floatAsBits(w[16]);
+    const Mask parallel = m & ((flags & Int(WideLight::directional)) != Int(0u)), spot = (flags & Int(WideLight::spot)) != Int(0u);
+    const Float distanceSquared = lengthSquared(way), infinite(infinity);
+    const Vec3w wi = select(parallel, -axis, way * (Float(1.f) / sqrt(distanceSquared)));
+    Float attenuation = Float(1.f) / distanceSquared;
+    attenuation = select(w[9] > Float(0.f), attenuation * clamp01(Float(1.f) - sqr(distanceSquared / sqr(w[9]))), attenuation);
+    attenuation = select(spot, attenuation * sqr(clamp01(-dot(wi, axis) * w[10] + w[12])), attenuation);
+    attenuation = select(parallel, Float(1.f), attenuation);
+    const Vec3w from = offset(at.p, at.ng, at.error, wi), d = place - from;
+    const Float distance = length(d);
+    s.wi = select(m, wi, s.wi);
+    s.radiance = select(m, Rgbw{w[6], w[7], w[8]} * attenuation, s.radiance);
+    s.pdfW = select(m, Float(1.f), s.pdfW);
+    s.o = select(m, from, s.o);
+    s.d = select(m, select(parallel, wi, d * (Float(1.f) / distance)), s.d);
+    s.tfar = select(m, select(parallel, infinite, distance), s.tfar);
+    s.delta = s.delta | m;
+    s.arrives = s.arrives | (m & (parallel | (distanceSquared > Float(0.f))) & notBlack(s.radiance));
+}
+
+// Lanes that are answered one by one, by Lights itself.
+CHIARO_LANE void askSample(const WideLights& lights, LightLanes& l, Mask m, WideLightSample& s) noexcept {
+    lights.sample(l, m.bits());
+    s.wi = select(m, {Float(l.wx), Float(l.wy), Float(l.wz)}, s.wi);
+    s.radiance = select(m, {Float(l.r), Float(l.g), Float(l.b)}, s.radiance);
+    s.pdfW = select(m, Float(l.pdfW), s.pdfW);
+    s.o = select(m, {Float(l.ox), Float(l.oy), Float(l.oz)}, s.o);
+    s.d = select(m, {Float(l.dx), Float(l.dy), Float(l.dz)}, s.d);
+    s.tfar = select(m, Float(l.tfar), s.tfar);
+    s.delta = s.delta | (m & (Int(l.delta) != Int(0u)));
+    s.arrives = s.arrives | (m & (s.pdfW > Float(0.f)) & notBlack(s.radiance));
+}
+
+// time: of the rays. m: lanes that want a sample; the others hold nothing of use.
+CHIARO_LANE WideLightSample sampleTowards(const WideLights& lights, const WidePoint& at, Float time, Mask m,
+                                          const WidePick& pick) noexcept {
+    WideLightSample s{at.ng, Rgbw(Float(0.f)), Float(0.f), at.p, at.ng, Float(0.f), Mask(), Mask()};
+    LightLanes l;
+    pick.pick.store(l.pick);
+    const bool finite = lights.finite() > 0;
+    const auto tell = [&](Float ux) { // the receiver, for lanes that are asked one by one
+        at.p.x.store(l.px), at.p.y.store(l.py), at.p.z.store(l.pz);
+        at.ng.x.store(l.nx), at.ng.y.store(l.ny), at.ng.z.store(l.nz);
+        at.error.store(l.error), time.store(l.time);
+        ux.store(l.ux), pick.u.y.store(l.uy);
+    };
+    Float ux = pick.u.x, pmf(float(lights.edge()));
+    if (finite)
+        cells(lights, l);
+    else
+        Int(lights.environment() ? LightLanes::sky : LightLanes::unchosen).store(l.light);
+    Int light(l.light);
+    const Mask sky = m & (light == Int(LightLanes::sky));
+    Mask chosen = andNot(m, sky) & (light != Int(LightLanes::unchosen));
+    if (lights.byTree()) {
+        tell(ux);
+        pmf.store(l.pmf);
+        lights.choose(l, chosen.bits());
+        light = Int(l.light), ux = Float(l.ux), pmf = Float(l.pmf);
+        chosen = chosen & (light != Int(LightLanes::unchosen));
+    } else if (any(chosen)) {
+        alignas(64) uint32_t cell[laneCount];
+        select(chosen, light << 2, Int(0u)).store(cell);
+        Float keep, alias, own, other;
+        loadFour(lights.cells(), cell, keep, alias, own, other);
+        const Mask stays = ux < keep;
+        const Float left = min(select(stays, ux / keep, (ux - keep) / (Float(1.f) - keep)), Float(oneMinusEpsilon));
+        light = select(chosen, select(stays, light, floatAsBits(alias)), light);
+        pmf = select(chosen, select(stays, own, other), pmf);
+        ux = select(chosen, left, ux);
+        chosen = chosen & (pmf > Float(0.f));
+    }
+    Mask asked = sky;
+    if (any(chosen)) {
+        alignas(64) uint32_t record[laneCount];
+        select(chosen, light * Int(20u), Int(0u)).store(record);
+        Float w[20];
+        for (int i = 0; i < 20; i += 4) loadFour(lights.records() + i, record, w[i], w[i + 1], w[i + 2], w[i + 3]);
+        const Int flags = floatAsBits(w[16]);
+        const auto has = [&](uint32_t flag) { return chosen & ((flags & Int(flag)) != Int(0u)); };
+        asked = asked | has(WideLight::ask);
+        const Mask punctual = has(WideLight::punctual), triangle = andNot(chosen, punctual | asked);
+        if (any(triangle)) triangleSample(w, at, {ux, pick.u.y}, triangle, s);
+        if (any(andNot(punctual, asked))) punctualSample(w, at, andNot(punctual, asked), s);
+        if (!fault(Fault::lightChoiceForgotten)) s.pdfW = s.pdfW * pmf;
+    }
+    if (any(asked)) {
+        tell(ux);
+        light.store(l.light), pmf.store(l.pmf);
+        askSample(lights, l, asked, s);
+    }
+    s.arrives = s.arrives & (s.pdfW > Float(0.f));
+    return s;
+}
+
+} // namespace chiaro::CHIARO_ISA

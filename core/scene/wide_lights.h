@@ -1,0 +1,58 @@
+// WideLights: the lights of a scene as loops over lanes want them, one record of 80 bytes each, and the table that chooses among them. Made
+// once before a render, read by all threads. What lanes cannot do (textured, moving or cut-out emitters, the choice by a light tree) is
+// asked of the Lights themselves, one lane at a time, and gives the same sample.
+#pragma once
+#include "core/scene/lights.h"
+#include <vector>
+
+namespace chiaro {
+
+struct WideLight {
+    enum Flag : uint32_t { doubleSided = 1, ask = 2, punctual = 4, directional = 8, spot = 16 };
+    float p[3];          // a corner, or the place of a punctual light
+    float e1[3];         // edge; axis of a punctual light, the way the light goes
+    float e2[3];         // edge; intensity of a punctual light
+    float inverse, area; // 1 over twice the area, negative where the front is the clockwise side; range and scale of a punctual light
+    float pmf;           // of choosing it by power, the environment's share taken off
+    float emission[3];   // cd/m2; the first: offset of a spot light
+    float error;         // of the corners, metres
+    uint32_t flags;
+    float unused[3];
+};
+
+// What is asked lane by lane: where, what was drawn, the answer.
+struct alignas(64) LightLanes {
+    static constexpr uint32_t size = 16, sky = ~0u, unchosen = ~1u;
+    float px[size], py[size], pz[size], nx[size], ny[size], nz[size], error[size], time[size]; // the receiver: position, geometric normal
+    uint32_t pick[size];                                                                       // 32 random bits
+    float ux[size], uy[size];
+    uint32_t light[size]; // sky: the environment
+    float pmf[size];
+    float wx[size], wy[size], wz[size], r[size], g[size], b[size], pdfW[size];    // pdfW 0: no light comes
+    float ox[size], oy[size], oz[size], dx[size], dy[size], dz[size], tfar[size]; // shadow ray
+    uint32_t delta[size];
+};
+
+class WideLights {
+public:
+    explicit WideLights(const Scene&);
+    const float* records() const noexcept { return records_.empty() ? nullptr : records_[0].p; }
+    const float* cells() const noexcept { return cells_.data(); }
+    uint32_t finite() const noexcept { return uint32_t(cells_.size() / 4); } // that can be chosen
+    double edge() const noexcept { return edge_; } // the environment's share of all choices
+    bool byTree() const noexcept { return tree_; }
+    bool environment() const noexcept { return environment_; }
+    // Choices of sampleTowards() by light and what is left of ux; where a tree chooses, for the lanes of a mask.
+    void choose(LightLanes&, uint32_t lanes) const noexcept;
+    // The samples of lanes whose light is chosen: pdfW with the choice in it.
+    void sample(LightLanes&, uint32_t lanes) const noexcept;
+
+private:
+    const Scene& scene_;
+    std::vector<WideLight> records_;
+    std::vector<float> cells_; // four a light: probability of staying, where to else, both pmfs
+    double edge_ = 0;
+    bool tree_ = false, environment_ = false;
+};
+
+} // namespace chiaro

@@ -1,0 +1,79 @@
+#include "core/scene/wide_surfaces.h"
+#include "core/scene/accel.h"
+#include "core/scene/scene.h"
+#include <cmath>
+
+namespace chiaro {
+namespace {
+
+// Interpolation of unit vectors is that of the vectors themselves only where all have one length.
+bool alike(const std::vector<Vec3>& normals) noexcept {
+    if (normals.empty()) return true;
+    const float first = length(normals[0]);
+    if (!(first > 0)) return false;
+    for (const Vec3& n : normals)
+        if (!(std::fabs(length(n) - first) <= 1e-5f * first)) return false;
+    return true;
+}
+
+struct Code {
+    uint32_t x, y;
+};
+Code octahedral(const Vec3& normal) noexcept {
+    const Vec3d n = cast<double>(normal);
+    const double s = 1 / (std::fabs(n.x) + std::fabs(n.y) + std::fabs(n.z));
+    double x = n.x * s, y = n.y * s;
+    if (n.z < 0) {
+        const double fx = std::copysign(1 - std::fabs(y), x), fy = std::copysign(1 - std::fabs(x), y);
+        x = fx, y = fy;
+    }
+    const auto step = [](double v) { return uint32_t(std::lround((v + 1) / 2 * double(WideSurfaces::normalSteps))); };
+    return {step(x), step(y)};
+}
+void encode(const Vec3& n0, const Vec3& n1, const Vec3& n2, uint32_t (&to)[5]) noexcept {
+    const Code a = octahedral(n0), b = octahedral(n1), c = octahedral(n2);
+    to[0] = a.x | c.x << 24;
+    to[1] = a.y | (c.x >> 8) << 24;
+    to[2] = b.x | (c.x >> 16) << 24;
+    to[3] = b.y;
+    to[4] = c.y;
+}
+
+} // namespace
+
+WideSurfaces::WideSurfaces(const Scene& scene) {
+    std::vector<uint8_t> shines(scene.geometries_.size(), 0); // under an instance
+    for (const Instance& in : scene.instances_) {
+        WideInstance w{};
+        for (int i = 0; i < 12; ++i) w.toWorld[i] = in.toWorld.m[i / 4][i % 4];
+        w.side = in.flipped ? -1.f : 1.f;
+        w.moves = in.motion == Hit::none ? 0.f : 1.f;
+        instances_.push_back(w);
+        for (uint32_t k = 0; k < in.geometryCount; ++k)
+            if (in.firstLights[k] != Lights::none) shines[in.firstGeometry + k] = 1;
+    }
+    std::size_t total = 0;
+    for (const Geometry& g : scene.geometries_) {
+        const bool known = g.colors.empty() && alike(g.normals);
+        firsts_.push_back(known ? uint32_t(total) : none);
+        if (known) total += g.triangles();
+    }
+    triangles_.resize(std::max<std::size_t>(total, 1)); // lanes without a hit read the first one
+    for (std::size_t k = 0; k < scene.geometries_.size(); ++k) {
+        const Geometry& g = scene.geometries_[k];
+        if (firsts_[k] == none) continue;
+        for (uint32_t i = 0; i < g.triangles(); ++i) {
+            WideTriangle& t = triangles_[firsts_[k] + i];
+            const auto corner = g.triangle(i);
+            const auto put = [](float(&to)[3], const Vec3& v) { to[0] = v.x, to[1] = v.y, to[2] = v.z; };
+            put(t.a, g.positions[corner[0]]);
+            put(t.b, g.positions[corner[1]]);
+            put(t.c, g.positions[corner[2]]);
+            t.material = g.material | (g.normals.empty() ? 0 : smoothBit);
+            t.light = shines[k] ? askLight : g.firstLight == Lights::none ? none : g.firstLight + i;
+            if (!g.normals.empty()) encode(g.normals[corner[0]], g.normals[corner[1]], g.normals[corner[2]], t.normals);
+        }
+    }
+}
+
+} // namespace chiaro

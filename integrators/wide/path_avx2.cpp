@@ -1,0 +1,9 @@
+#include "integrators/wide/path_follow.h"
+
+namespace chiaro {
+
+void followPathsAvx2(const WidePaths& paths, uint32_t maxDepth, StartSource& source, SampleLanes& samples, PathStream& stream) noexcept {
+    avx2::PathFollower(paths, maxDepth, samples, stream).follow(source);
+}
+
+} // namespace chiaro

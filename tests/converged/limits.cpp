@@ -1,0 +1,185 @@
+// Photon maps converge: photon and sppm are rendered at radii 1, 1/2, 1/4 and 1/8 of their own, every replicate is extrapolated to the
+// radius 0 by least squares over the powers that the method names, and the limit is held against path, or where path is blind (light
+// without extent through glass) against light, on the paths that both sides cover. All sides of a replicate share a seed: photons and
+// points of the pixels are the same, so that the noise of the extrapolation is that of one picture.
+//
+// Short: @caustic alone. All scenes, those of ../shared/scenes too: CHIARO_LONG=1 sh tools/test.sh -R converged.limits; one scene:
+//   CHIARO_LONG=1 build/release/tests/chiaro_tests_converged --test-suite=limits --test-case="*caustic-ring*"
+// What was found is in docs/photons.md.
+#include "io/gltf.h"
+#include "io/image_read.h"
+#include "tests/converged/comparison.h"
+#include "tests/scene_kit.h"
+#include "tools/judge/convergence.h"
+#include <algorithm>
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+using namespace chiaro;
+using namespace chiaro::test;
+
+namespace {
+
+constexpr double alpha = 1e-4; // of one comparison, two-sided; some thirty of them
+constexpr int radii = 4;       // one more than the unknowns: the last is the residual
+constexpr uint64_t firstSeed = 300'000;
+
+struct Case {
+    std::string_view method, reference; // with their options
+    std::string_view paths;             // empty: all
+    double width;                       // half of the 95 % interval that is reached, relative
+    uint32_t spp = 16, referenceSpp = 64, replicates = 16;
+};
+
+struct Seen {
+    std::unique_ptr<const Scene> scene;
+    CameraDesc camera;
+    uint32_t width = 48, height = 48, maxDepth = unlimitedDepth;
+};
+std::optional<Seen> seen(const std::string& name) {
+    Seen s;
+    if (name[0] == '@') {
+        s.scene = compiled(findBuiltin(name)->make());
+    } else {
+        const std::filesystem::path folder = "../shared/scenes/" + name;
+        if (!std::filesystem::exists(folder / "scene.json")) return {};
+        const auto sheet = nlohmann::json::parse(std::ifstream(folder / "scene.json"));
+        Diagnostics notes;
+        SceneDesc desc = readGltf(folder / sheet["file"].get<std::string>(), {}, notes);
+        if (sheet.contains("environment")) {
+            desc.environment = readEnvironment(folder / sheet["environment"]["file"].get<std::string>(), notes);
+            desc.environment->scale *= sheet["environment"]["scale"].get<float>();
+        }
+        s.scene = compiled(std::move(desc));
+        s.height = uint32_t(std::lround(48 * sheet["height"].get<double>() / sheet["width"].get<double>()));
+        s.maxDepth = sheet["max_depth"].get<uint32_t>();
+    }
+    s.camera = s.scene->cameras()[0];
+    return s;
+}
+
+double luminanceOf(const Seen& s, const IntegratorChoice& choice, const PathClasses& classes, uint32_t spp, uint64_t seed) {
+    Bench bench(*s.scene, s.camera, {.width = s.width, .height = s.height, .spp = spp, .seed = seed});
+    bench.classes = classes;
+    FilmLayout layout = bench.layout();
+    layout.splats = choice.entry->traits(choice.options).splats;
+    Film film(layout);
+    chiaro::render(bench.job, *choice.entry->make(choice.options), film, {spp, infinity}, bench.stop);
+    return double(luminance(meanOf(film)));
+}
+
+// What a measurement at each of the radii weighs in the limit, and in the one combination of them that is nothing where the fit holds.
+struct Weights {
+    std::array<double, radii> limit{}, residual{};
+};
+Weights weights(const Traits& t) {
+    std::vector<double> exponents{0};
+    exponents.insert(exponents.end(), t.convergencePowers.begin(), t.convergencePowers.end());
+    Weights w;
+    for (std::size_t k = 0; k < radii; ++k) {
+        std::vector<judge::FitPoint> points;
+        for (std::size_t i = 0; i < radii; ++i) points.push_back({std::pow(t.convergenceStep, double(i)), i == k ? 1.0 : 0.0, 1});
+        const judge::Fit fit = judge::fitPowers(points, exponents).value();
+        w.limit[k] = fit.coefficient[0];
+        w.residual[k] = k == 0 ? 1 : 0;
+        for (std::size_t e = 0; e < exponents.size(); ++e) w.residual[k] -= fit.coefficient[e];
+    }
+    return w;
+}
+
+struct Sum {
+    double n = 0, mean = 0, squares = 0;
+    void add(double x) {
+        const double d = x - mean;
+        mean += d / ++n;
+        squares += d * (x - mean);
+    }
+    judge::Estimate estimate() const { return {mean, std::sqrt(squares / (n - 1) / n), n - 1}; }
+};
+
+void judgeCase(const std::string& name, const Seen& s, const Case& c) {
+    const IntegratorChoice method = chooseIntegrator(c.method), reference = chooseIntegrator(c.reference);
+    const Traits t = method.entry->traits(method.options), other = reference.entry->traits(reference.options);
+    std::string misses = t.misses;
+    if (!other.misses.empty()) misses += (misses.empty() ? "" : "|") + other.misses;
+    const PathClasses classes =
+        PathClasses::make({.paths = std::string(c.paths), .split = {}, .maxDepth = s.maxDepth, .within = {}, .without = misses});
+    const Weights w = weights(t);
+    Sum limit, residual, level, first;
+    for (uint64_t r = 0; r < c.replicates; ++r) {
+        double at0 = 0, left = 0, h = method.options.real(t.convergesOver), own = 0;
+        for (std::size_t k = 0; k < radii; ++k, h *= t.convergenceStep) {
+            IntegratorChoice choice = method;
+            choice.options.set(t.convergesOver, fmt::format("{:.9g}", h), choice.entry->name);
+            const double v = luminanceOf(s, choice, classes, c.spp, firstSeed + r);
+            at0 += w.limit[k] * v;
+            left += w.residual[k] * v;
+            if (k == 0) own = v;
+        }
+        const double truth = luminanceOf(s, reference, classes, c.referenceSpp, firstSeed + r);
+        limit.add(at0 - truth);
+        residual.add(left);
+        first.add(own - truth);
+        level.add(truth);
+    }
+    const judge::Test off = judge::oneSample(limit.estimate(), 0), fit = judge::oneSample(residual.estimate(), 0);
+    const judge::Interval interval = judge::confidenceInterval(off, 0.05),
+                          own = judge::confidenceInterval(judge::oneSample(first.estimate(), 0), 0.05);
+    const auto percent = [&](double x) { return 100 * x / level.mean; };
+    fmt::print("| {} | {} | `{}` | {} | {:+.2f} [{:+.2f}, {:+.2f}] | {:+.2f} [{:+.2f}, {:+.2f}] | {:.2g} | {:.2g} |\n", name,
+               c.paths.empty() ? "all" : fmt::format("`{}`", c.paths), c.method, c.reference, percent(first.mean), percent(own.low),
+               percent(own.high), percent(limit.mean), percent(interval.low), percent(interval.high), off.p, fit.p);
+    std::fflush(stdout);
+    const std::string method_(c.method), reference_(c.reference), paths(c.paths);
+    CAPTURE(method_);
+    CAPTURE(reference_);
+    CAPTURE(paths);
+    CHECK(level.mean > 0);
+    CHECK(off.p >= alpha);
+    CHECK(fit.p >= alpha);
+    CHECK(percent(interval.high - interval.low) / 2 <= 100 * c.width);
+}
+
+void judgeAll(const std::string& name, std::initializer_list<Case> cases, bool always = false) {
+    if (!always && !longTier()) {
+        std::cout << name << ": its limits are judged in the long run, CHIARO_LONG=1\n";
+        return;
+    }
+    const std::optional<Seen> s = seen(name);
+    if (!s) {
+        std::cout << name << ": there is no ../shared/scenes here\n";
+        return;
+    }
+    for (const Case& c : cases) judgeCase(name, *s, c);
+}
+
+} // namespace
+
+TEST_SUITE("limits") {
+    TEST_CASE("@cornell") { judgeAll("@cornell", {{"photon", "path", "", .003}, {"sppm", "path", "", .005}}); }
+    TEST_CASE("@cornell-spheres") {
+        judgeAll("@cornell-spheres", {{"photon", "path", "", .01},
+                                      {"sppm", "path", "", .02},
+                                      {"photon", "light", "L S+ D E", .02},
+                                      {"sppm", "light", "L S+ D E", .02}});
+    }
+    // The lamp in the ball is far below a pixel, and path meets it by accident.
+    TEST_CASE("@caustic") {
+        judgeAll("@caustic", {{"photon", "light", "L S+ D E", .01}, {"sppm", "light", "L S+ D E", .01}}, true);
+        judgeAll("@caustic", {{"photon", "light", "", .01}, {"sppm", "light", "", .01}});
+    }
+    TEST_CASE("caustic-ring") {
+        judgeAll("caustic-ring", {{"photon", "path", "", .02},
+                                  {"sppm", "path", "", .02},
+                                  {"photon", "light", "L S+ D E", .02},
+                                  {"sppm", "light", "L S+ D E", .02}});
+    }
+    TEST_CASE("caustic-pool") {
+        judgeAll("caustic-pool", {{"photon", "path", "", .02}, {"sppm", "path", "", .02}, {"photon", "light", "", .02}});
+    }
+    TEST_CASE("stained-glass-lamp") { judgeAll("stained-glass-lamp", {{"photon", "path", "", .02}, {"sppm", "path", "", .02}}); }
+    TEST_CASE("lamp-room") { judgeAll("lamp-room", {{"photon", "path", "", .02}, {"sppm", "path", "", .02}}); }
+} // TEST_SUITE
