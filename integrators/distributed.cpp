@@ -103,28 +103,11 @@ private:
 
 // Light found by the ray itself; true where it may be scattered.
 bool Tree::arrive(Branch& b, const Origin& from, SurfacePoint& at) noexcept {
-    const Scene& scene = job_.scene;
-    const auto found = [&](const LightHit& light) {
+    return arriveByEye(job_, {b.ray, b.hit, from.at, b.state, from.depth}, b.throughput, at, out_, [&](const LightHit& light) {
         const float rival = float(from.lightSamples) * light.pdfW;
         const float weight = b.density == 0 ? 1.f : powerHeuristic(b.density, rival);
         addFound(out_, job_.classes.reached(b.state, light.kind), b.throughput * light.radiance * weight);
-    };
-    if (!b.hit) {
-        if (out_.log) [[unlikely]]
-            logSky(*out_.log, scene, b.ray, b.throughput);
-        const LightHit sky = scene.lights().miss(b.ray, from.at);
-        if (sky) found(sky);
-        if (!from.at) out_.aov(Aov::albedo, {clamp01(sky.radiance[0]), clamp01(sky.radiance[1]), clamp01(sky.radiance[2])});
-        return false;
-    }
-    at = scene.point(b.hit, b.ray);
-    b.throughput *= segmentTransmittance(scene, from.at, b.ray.d, &at, b.hit.t);
-    if (out_.log) [[unlikely]]
-        logSurface(*out_.log, at, at.ns, b.hit.t, b.throughput);
-    if (const LightHit light = scene.lights().hit(at, -b.ray.d, from.at)) found(light);
-    if (job_.classes.continues(b.state) || !from.at) return true;
-    if (out_.log) out_.log->end(from.depth >= job_.classes.maxDepth() ? "depth limit" : "no longer path is wanted");
-    return false;
+    });
 }
 
 // Direct light at a vertex, and what stands for the light that other surfaces send to its diffuse part.

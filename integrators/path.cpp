@@ -14,7 +14,7 @@ constexpr OptionSpec specs[] = {
     {"mis", OptionType::boolean, "on", 0, 0, "",
      "weigh light and BSDF samples together; off: light samples alone, for lights that can be sampled"},
     {"wide", OptionType::boolean, "on", 0, 0, "", "follow sixteen paths at a time in SIMD lanes; off: one by one, the readable reference"},
-    {"stream", OptionType::integer, "512", 16, PathStream::most, "",
+    {"stream", OptionType::integer, "512", PathStream::least, PathStream::most, "",
      "paths that a thread has under way in lanes; the picture does not depend on it"},
 };
 

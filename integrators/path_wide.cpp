@@ -1,6 +1,5 @@
 #include "integrators/path_wide.h"
 #include "core/math/warp.h"
-#include "core/math/wide_isa.h"
 #include "core/render/fault.h"
 #include "integrators/transport.h"
 #include "materials/bsdf.h"
@@ -8,9 +7,9 @@
 namespace chiaro {
 namespace {
 
-PathProgram* program() noexcept {
-    static PathProgram* const chosen = widest<PathProgram>(nullptr, followPathsAvx2, followPathsAvx512);
-    return chosen;
+// That of the instruction set in which the scene's rays are traced: whoever fixes one fixes both. Null: it has none.
+PathProgram* program(const Scene& scene) noexcept {
+    return scene.isa() == "avx512" ? followPathsAvx512 : scene.isa() == "avx2" ? followPathsAvx2 : nullptr;
 }
 
 // Do classes ask for nothing but a depth? Then a path needs no state.
@@ -58,11 +57,11 @@ float PathSettings::hitWeight(bool delta, float pdfW, float lightPdfW) const noe
 }
 
 WidePaths::WidePaths(const Scene& scene, const PathSettings& settings, uint32_t length)
-    : scene_(scene), settings_(settings), length_(std::clamp(length, uint32_t(RayPacket::size), PathStream::most)), surfaces_(scene),
+    : scene_(scene), settings_(settings), length_(std::clamp(length, PathStream::least, PathStream::most)), surfaces_(scene),
       materials_(scene), lights_(scene) {}
 
 std::unique_ptr<const WidePaths> WidePaths::make(const Job& job, const PathSettings& settings, uint32_t length) {
-    if (!program() || job.sampler != SamplerKind::sobol || !onlyDepth(job.classes)) return nullptr;
+    if (!program(job.scene) || job.sampler != SamplerKind::sobol || !onlyDepth(job.classes)) return nullptr;
     return std::make_unique<WidePaths>(job.scene, settings, length);
 }
 bool WidePaths::able(const Job& job, const FilmLayout& layout) noexcept {
@@ -71,7 +70,7 @@ bool WidePaths::able(const Job& job, const FilmLayout& layout) noexcept {
 
 void WidePaths::run(const Job& job, StartSource& source, SampleLanes& samples) const noexcept {
     thread_local const std::unique_ptr<PathStream> room(new PathStream); // not filled with zeros
-    program()(*this, job.classes.maxDepth(), source, samples, *room);
+    program(scene_)(*this, job.classes.maxDepth(), source, samples, *room);
 }
 
 void WidePaths::found(VertexLanes& l, uint32_t lanes) const noexcept {

@@ -23,7 +23,8 @@ struct PathSettings {
 
 // The paths under way, packed: 100 bytes each.
 struct PathStream {
-    static constexpr uint32_t most = 4096, room = most + 32, floats = 18, words = 6;
+    // least: what is left of a packet and sixteen new ones have room together.
+    static constexpr uint32_t least = 32, most = 4096, room = most + 32, floats = 17, words = 6;
     alignas(64) float f[floats][room];
     alignas(64) uint32_t i[words][room];
 };

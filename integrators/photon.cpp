@@ -46,6 +46,7 @@ public:
         plan_.global = &field_.global();
         plan_.caustic = field_.caustic();
         job.notes.tell("photons", field_.summary() + "      keep it with: -i photon:" + field_.recipe());
+        job.notes.tell("light", field_.balance());
         if (movesInShutter(job))
             job.notes.warn("photon: things move while the shutter is open, and the photon map holds all their places at once: light and "
                            "shadows on and about them are blurred. Use -i sppm, which takes one time after the other.");
@@ -54,6 +55,7 @@ public:
         if (plan_.global) followEye(job, plan_, start, out); // else stopped while preparing
     }
     std::vector<PhotonMapView> photonMaps() const override { return field_.views(); }
+    std::size_t photonBytes() const override { return field_.bytes(); }
 
 private:
     static bool movesInShutter(const Job& job) {

@@ -71,28 +71,11 @@ bool EyeWalk::sharpAt(const SurfacePoint& at) const noexcept {
 
 // Light found by the ray itself; true where it may be scattered.
 bool EyeWalk::arrive(Branch& b, SurfacePoint& at) noexcept {
-    const Scene& scene = job_.scene;
-    const auto found = [&](const LightHit& light) {
+    return arriveByEye(job_, {b.ray, b.hit, b.from, b.state, b.depth}, b.throughput, at, out_, [&](const LightHit& light) {
         if (b.caustic()) return;
         const float weight = b.density == 0 ? 1.f : powerHeuristic(b.density, light.pdfW);
         addFound(out_, job_.classes.reached(b.state, light.kind), b.throughput * light.radiance * weight);
-    };
-    if (!b.hit) {
-        if (out_.log) [[unlikely]]
-            logSky(*out_.log, scene, b.ray, b.throughput);
-        const LightHit sky = scene.lights().miss(b.ray, b.from);
-        if (sky) found(sky);
-        if (!b.from) out_.aov(Aov::albedo, {clamp01(sky.radiance[0]), clamp01(sky.radiance[1]), clamp01(sky.radiance[2])});
-        return false;
-    }
-    at = scene.point(b.hit, b.ray);
-    b.throughput *= segmentTransmittance(scene, b.from, b.ray.d, &at, b.hit.t);
-    if (out_.log) [[unlikely]]
-        logSurface(*out_.log, at, at.ns, b.hit.t, b.throughput);
-    if (const LightHit light = scene.lights().hit(at, -b.ray.d, b.from)) found(light);
-    if (job_.classes.continues(b.state) || !b.from) return true;
-    if (out_.log) out_.log->end(b.depth >= job_.classes.maxDepth() ? "depth limit" : "no longer path is wanted");
-    return false;
+    });
 }
 
 // One shadow ray. What arrives by R counts at x alone, at z it is among the photons.

@@ -79,8 +79,10 @@ void PhotonField::prepare(const Work& work, const PhotonScale& scale) {
     twoMaps_ = true;
 }
 
-bool PhotonField::traceOne(const Work& work, const PhotonRequest& request, float& radius, const RadiusChoice& choice, PhotonMap& map) {
+bool PhotonField::traceOne(const Work& work, const PhotonRequest& request, float& radius, const RadiusChoice& choice, PhotonMap& map,
+                           PhotonStatistics& statistics) {
     TracedPhotons traced = tracePhotons(work, request);
+    statistics = traced.statistics;
     if (work.stop.requested()) return false;
     if (radius == 0) {
         const float typical = typicalRadius(traced.photons, choice.photons, quantile);
@@ -104,14 +106,14 @@ bool PhotonField::trace(const Work& work, uint64_t iteration, std::optional<floa
     // The greatest radius of a k-nearest estimate is three times the typical one.
     const double k = 9.0 * plan_.density.k;
     const float most = mostOfScene * sceneRadius_;
-    if (!traceOne(work, request, radius_, {k > 0 ? k : globalPhotons, 0, most}, global_)) return false;
+    if (!traceOne(work, request, radius_, {k > 0 ? k : globalPhotons, 0, most}, global_, statistics_)) return false;
     if (twoMaps_) {
         request.paths = causticPaths_;
         request.map = causticMap;
         request.kinds = {.direct = false, .caustic = true, .indirect = false};
         request.guide = guide_.get();
         const RadiusChoice choice{k > 0 ? k : causticPhotons, scale_.pixel, std::max(scale_.pixel, radius_ / plan_.shrink)};
-        if (!traceOne(work, request, causticRadius_, choice, caustic_)) return false;
+        if (!traceOne(work, request, causticRadius_, choice, caustic_, causticStatistics_)) return false;
     }
     seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return true;
@@ -125,6 +127,16 @@ std::string PhotonField::summary() const {
     std::string text = one(global_, radius_);
     if (twoMaps_) text += "; caustic " + one(caustic_, causticRadius_);
     return text + fmt::format("; {:.3g} MB in {:.2f} s", double(bytes()) / 1e6, seconds_);
+}
+
+std::string PhotonField::balance() const {
+    const PhotonStatistics& s = statistics_;
+    if (!(s.emitted > 0)) return "no light is emitted";
+    const auto share = [&](double flux) { return fmt::format("{:.3g} %", 100 * flux / s.emitted); };
+    std::string text = fmt::format("emitted {:.4g} lm: {} absorbed, {} escaped, {} ended; stored {:.4g} lm", s.emitted, share(s.absorbed),
+                                   share(s.escaped), share(s.ended), s.storedFlux);
+    if (twoMaps_) text += fmt::format("; caustic stored {:.4g} lm", causticStatistics_.storedFlux);
+    return text;
 }
 
 std::string PhotonField::recipe() const {

@@ -42,8 +42,10 @@ public:
     const PhotonMap* caustic() const noexcept { return twoMaps_ ? &caustic_ : nullptr; }
     uint64_t paths() const noexcept { return paths_; }
     std::size_t bytes() const noexcept { return global_.store().bytes() + caustic_.store().bytes(); }
-    // "1.2 M photons of 262144 paths, radius 0.021 m; ...", and the options that keep it so.
+    // "1.2 M photons of 262144 paths, radius 0.021 m; ...", and the options that keep it so; where the light of the global map's paths
+    // went, "emitted 67.1 lm: 69.7 % absorbed, ...".
     std::string summary() const;
+    std::string balance() const;
     std::string recipe() const;
     std::vector<PhotonMapView> views() const; // of the photons as they stand
 
@@ -55,7 +57,7 @@ private:
         double photons = 0;        // in a typical disc
         float least = 0, most = 0; // metres
     };
-    bool traceOne(const Work&, const PhotonRequest&, float& radius, const RadiusChoice&, PhotonMap&);
+    bool traceOne(const Work&, const PhotonRequest&, float& radius, const RadiusChoice&, PhotonMap&, PhotonStatistics&);
     PhotonFieldPlan plan_;
     PhotonScale scale_;
     uint64_t paths_ = 0, causticPaths_ = 0;
@@ -64,6 +66,7 @@ private:
     bool twoMaps_ = false;
     std::shared_ptr<const EmissionGuide> guide_;
     PhotonMap global_, caustic_;
+    PhotonStatistics statistics_, causticStatistics_;
     double seconds_ = 0;
 };
 

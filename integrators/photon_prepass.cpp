@@ -20,6 +20,7 @@ public:
         field_.prepare(work, {});
         if (!field_.trace(work, 0, {})) return;
         work.notes.tell("photons", field_.summary() + "      keep it with: --prepass photon:" + field_.recipe());
+        work.notes.tell("light", field_.balance());
     }
     void addIndirect(const PathClasses& classes, const Hit&, const SurfacePoint& at, const Bsdf& bsdf, PathState eye,
                      const Spectrum& weight, Outputs& out) const noexcept override {
@@ -33,6 +34,7 @@ public:
     void save(Writer& to) const override { field_.save(to); }
     void load(const Work& work, Reader& from) override { field_.load(work, from); }
     std::vector<PhotonMapView> photonMaps() const override { return field_.views(); }
+    std::size_t photonBytes() const override { return field_.bytes(); }
 
 private:
     PhotonField field_;

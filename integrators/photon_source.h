@@ -15,6 +15,7 @@ class PhotonSource {
 public:
     virtual ~PhotonSource() = default;
     virtual std::vector<PhotonMapView> photonMaps() const = 0; // as they are now: empty before there are any
+    virtual std::size_t photonBytes() const = 0;               // of the maps and of what is kept about pixels, between passes
 };
 
 } // namespace chiaro

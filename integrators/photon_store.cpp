@@ -43,7 +43,7 @@ Vec3 unpackNormal(uint16_t c) noexcept {
 
 PhotonStore::PhotonStore(const Executor& run, PhotonList photons, float cell) : photons_(std::move(photons)) { sort(run, cell); }
 
-std::size_t PhotonStore::bytes() const noexcept { return photons_.size() * sizeof(Photon) + begin_.size() * sizeof(uint32_t); }
+std::size_t PhotonStore::bytes() const noexcept { return photons_.capacity() * sizeof(Photon) + begin_.capacity() * sizeof(uint32_t); }
 
 // Where the photons are, and cells of (about) that size over it.
 PhotonStore::Grid PhotonStore::gridOver(const Executor& run, float cell) const {

@@ -7,9 +7,10 @@ namespace {
 
 constexpr uint32_t directionAt = 2; // of a scattering's dimensions, the two before are the visitor's
 
-std::optional<LightEmission> emit(const Work& work, const PhotonRequest& request, Departure d) noexcept {
+// emitters: Lights, or whoever answers as they do.
+template <class Emitters> std::optional<LightEmission> emit(const Emitters& emitters, const PhotonRequest& request, Departure d) noexcept {
     const float factor = request.guide ? request.guide->aim(d) : 1.f;
-    std::optional<LightEmission> e = work.scene.lights().emit(d.from, d.towards, d.time);
+    std::optional<LightEmission> e = emitters.emit(d.from, d.towards, d.time);
     if (e) e->flux *= factor;
     return e;
 }
@@ -23,12 +24,12 @@ Sampler photonSampler(const Work& work, const PhotonRequest& request, uint64_t n
 PhotonStart startPhoton(const Work& work, const PhotonRequest& request, uint64_t number) noexcept {
     PhotonStart s{photonSampler(work, request, number), {}, {}};
     s.departure = departure(work, s.sampler, request.time);
-    s.emission = emit(work, request, s.departure);
+    s.emission = emit(work.scene.lights(), request, s.departure);
     return s;
 }
 
-PhotonStream::PhotonStream(const Work& work, const PhotonRequest& request, std::span<const PlainMaterial> materials)
-    : work_(work), request_(request), materials_(materials), rules_{request.kinds}, lanes_{}, hits_{} {}
+PhotonStream::PhotonStream(const Work& work, const PhotonRequest& request, const PlainScene& plain)
+    : work_(work), request_(request), plain_(plain), rules_{request.kinds}, lanes_{}, hits_{} {}
 
 void PhotonStream::walk(uint64_t first, uint64_t count, PhotonHarvest& to, std::span<uint32_t> counts) {
     first_ = first;
@@ -41,7 +42,7 @@ void PhotonStream::walk(uint64_t first, uint64_t count, PhotonHarvest& to, std::
         to.fate.absorbed += ledger_.absorbed[k];
         to.fate.ended += ledger_.ended[k];
     }
-    sortInto(to.photons, counts);
+    sortInto(to, counts);
 }
 
 Departure PhotonStream::departureOf(std::size_t k) const noexcept {
@@ -56,7 +57,7 @@ void PhotonStream::depart(uint64_t first, uint64_t count, PhotonHarvest& to) {
     l.count = 0;
     for (uint64_t k = 0; k < count; ++k) {
         if (k % laneWidth == 0) drawStarts(photonSampler(work_, request_, first + k), !request_.time, starts_);
-        const std::optional<LightEmission> emission = emit(work_, request_, departureOf(k % laneWidth));
+        const std::optional<LightEmission> emission = emit(plain_.lamps, request_, departureOf(k % laneWidth));
         if (!emission) continue;
         const LightEmission& e = *emission;
         const auto flux = double(luminance(e.flux));
@@ -132,7 +133,7 @@ const PhotonStream::Known& PhotonStream::known(const Hit& hit) noexcept {
     k.hit = hit;
     k.material = nullptr;
     if (work_.scene.flat(hit, k.triangle))
-        if (const PlainMaterial& m = materials_[k.triangle.material]; m.plain && m.smooth) k.material = &m;
+        if (const PlainMaterial& m = plain_.materials[k.triangle.material]; m.plain && m.smooth) k.material = &m;
     return k;
 }
 
@@ -233,13 +234,19 @@ void PhotonStream::keep(uint16_t slot, const Photon& photon) noexcept {
 }
 
 // By path: each path's photons lie in the order of its vertices already.
-void PhotonStream::sortInto(PhotonList& to, std::span<uint32_t> counts) {
+void PhotonStream::sortInto(PhotonHarvest& to, std::span<uint32_t> counts) {
     if (!counts.empty()) std::copy_n(places_.begin(), counts.size(), counts.begin());
-    const std::size_t base = to.size();
+    PhotonList& all = to.photons;
+    const std::size_t base = all.size();
     uint32_t sum = 0;
     for (uint32_t& place : places_) sum += std::exchange(place, sum);
-    to.resize(base + stored_);
-    for (std::size_t i = 0; i < stored_; ++i) to[base + places_[slots_[i]]++] = photons_[i];
+    all.resize(base + stored_);
+    double flux = 0;
+    for (std::size_t i = 0; i < stored_; ++i) {
+        all[base + places_[slots_[i]]++] = photons_[i];
+        flux += double(luminance(photons_[i].flux));
+    }
+    to.stored += flux;
 }
 
 } // namespace chiaro

@@ -7,6 +7,7 @@
 #include "integrators/light_walk.h"
 #include "integrators/photon_lanes.h"
 #include "integrators/photon_trace.h"
+#include "integrators/plain_lamps.h"
 #include "integrators/plain_material.h"
 
 namespace chiaro {
@@ -49,12 +50,19 @@ PhotonStart startPhoton(const Work&, const PhotonRequest&, uint64_t number) noex
 struct PhotonHarvest {
     PhotonList photons; // by path and vertex
     Fate fate;
-    double emitted = 0;
+    double emitted = 0, stored = 0; // lumen, luminance
+};
+
+// What of a scene is plain, for all streams through it.
+struct PlainScene {
+    explicit PlainScene(const Scene& scene) : materials(plainMaterials(scene)), lamps(scene) {}
+    std::vector<PlainMaterial> materials;
+    PlainLamps lamps;
 };
 
 class PhotonStream {
 public:
-    PhotonStream(const Work&, const PhotonRequest&, std::span<const PlainMaterial>);
+    PhotonStream(const Work&, const PhotonRequest&, const PlainScene&);
     static constexpr uint64_t most = ParticleLanes::most; // paths at once
     // Walks the paths first, first + 1, ... (at most `most`, and none beyond a multiple of 2^32) and adds what they bring. counts: photons
     // of each path; empty: nobody asks.
@@ -76,12 +84,12 @@ private:
     void goOnPlain(uint32_t depth, std::size_t lane, std::size_t i);
     void keep(uint16_t slot, const Photon&) noexcept;
     void goOnAny(uint32_t depth, const Sampler& numbers, std::size_t lane, std::size_t i, PhotonHarvest&);
-    void sortInto(PhotonList&, std::span<uint32_t> counts);
+    void sortInto(PhotonHarvest&, std::span<uint32_t> counts);
 
     static constexpr std::size_t remembered = 64;
     const Work& work_;
     const PhotonRequest& request_;
-    std::span<const PlainMaterial> materials_;
+    const PlainScene& plain_;
     uint64_t first_ = 0; // number of the first path
     PhotonRules rules_;
     ParticleLanes lanes_;

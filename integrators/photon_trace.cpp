@@ -18,10 +18,10 @@ uint64_t streamLength(uint64_t first, uint64_t last) noexcept {
     return std::min({last - first, PhotonStream::most, (uint64_t(1) << 32) - (first & 0xffffffffu)});
 }
 
-void gatherIn(const Work& work, const PhotonRequest& request, std::span<const PlainMaterial> materials, uint64_t first, uint64_t last,
-              std::size_t expected, PhotonHarvest& to) {
+void gatherIn(const Work& work, const PhotonRequest& request, const PlainScene& plain, uint64_t first, uint64_t last, std::size_t expected,
+              PhotonHarvest& to) {
     to.photons.reserve(expected);
-    const auto stream = std::make_unique<PhotonStream>(work, request, materials);
+    const auto stream = std::make_unique<PhotonStream>(work, request, plain);
     for (uint64_t n = 0; first < last; first += n) stream->walk(first, n = streamLength(first, last), to);
 }
 
@@ -50,11 +50,11 @@ TracedPhotons tracePhotons(const Work& work, const PhotonRequest& request) {
     const auto start = std::chrono::steady_clock::now();
     const uint64_t chunks = (request.paths + chunkPaths - 1) / chunkPaths, trial = std::min(chunks, trialChunks);
     std::vector<PhotonHarvest> harvests(chunks);
-    const std::vector<PlainMaterial> materials = plainMaterials(work.scene);
+    const PlainScene plain(work.scene);
     const auto trace = [&](uint64_t first, uint64_t last, std::size_t expected) {
         const auto task = [&](uint64_t i) {
             const uint64_t c = first + i, begin = request.iteration * request.paths;
-            gatherIn(work, request, materials, begin + c * chunkPaths, begin + std::min(request.paths, (c + 1) * chunkPaths), expected,
+            gatherIn(work, request, plain, begin + c * chunkPaths, begin + std::min(request.paths, (c + 1) * chunkPaths), expected,
                      harvests[c]);
         };
         return work.run.chunks(last - first, task, &work.stop);
@@ -78,6 +78,7 @@ TracedPhotons tracePhotons(const Work& work, const PhotonRequest& request) {
     for (const PhotonHarvest& h : harvests) {
         s.rays += h.fate.rays;
         s.emitted += h.emitted * one;
+        s.storedFlux += h.stored * one;
         s.absorbed += h.fate.absorbed * one;
         s.escaped += h.fate.escaped * one;
         s.ended += h.fate.ended * one;
@@ -104,9 +105,9 @@ std::shared_ptr<const EmissionGuide> learnEmission(const Work& work, uint64_t pi
     request.map = pilotMap;
     request.kinds = {.direct = false, .caustic = true, .indirect = false};
     std::vector<EmissionGuide::Sample> samples(pilotPaths);
-    const std::vector<PlainMaterial> materials = plainMaterials(work.scene);
+    const PlainScene plain(work.scene);
     const auto task = [&](uint64_t i) {
-        const auto stream = std::make_unique<PhotonStream>(work, request, materials);
+        const auto stream = std::make_unique<PhotonStream>(work, request, plain);
         std::vector<uint32_t> counts(PhotonStream::most);
         PhotonHarvest harvest;
         for (uint64_t k = i * chunkPaths, n = 0; k < std::min(pilotPaths, (i + 1) * chunkPaths); k += n) {

@@ -31,6 +31,7 @@ struct PhotonRequest {
 struct PhotonStatistics {
     uint64_t paths = 0, stored = 0, rays = 0;
     double emitted = 0, absorbed = 0, escaped = 0, ended = 0;
+    double storedFlux = 0;               // of all photons: light counts again at every surface that it comes to
     double seconds = 0, sortSeconds = 0; // of tracing; of sorting into a store, which the caller adds
 };
 

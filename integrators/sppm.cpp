@@ -50,6 +50,7 @@ public:
     void save(Writer&) const override;
     void load(const Job&, Reader&) override;
     std::vector<PhotonMapView> photonMaps() const override { return photons_.views(); }
+    std::size_t photonBytes() const override { return photons_.bytes() + pixels_.capacity() * sizeof(PixelStatistics); }
 
 private:
     bool iterate(const Job&, uint32_t iteration, const SampleMask*, Film&);
@@ -99,6 +100,7 @@ bool Sppm::iterate(const Job& job, uint32_t iteration, const SampleMask* active,
     const float radius = radiusOf(iteration);
     photons_.setRadius(radius);
     if (!photons_.trace(job, iteration, how.time)) return false;
+    if (iteration == 0) job.notes.tell("light", photons_.balance() + "; of the first iteration");
     EyePlan plan = eye_;
     plan.global = &photons_.global();
     plan.caustic = photons_.caustic();

@@ -39,4 +39,35 @@ inline void addFound(Outputs& out, Layer layer, const Spectrum& value) noexcept 
     if (out.log) logFound(*out.log, layer, value);
 }
 
+// An eye ray at the end of its way. from: the surface that it left; null: the camera.
+struct EyeArrival {
+    const Ray& ray;
+    const Hit& hit; // of it
+    const SurfacePoint* from = nullptr;
+    PathState state = 0;
+    uint32_t depth = 0; // scatterings so far
+};
+// The throughput is dimmed by what lies between, light that the ray has met is told to found(const LightHit&). True where it may be
+// scattered: at.
+template <class Found>
+bool arriveByEye(const Job& job, const EyeArrival& a, Spectrum& throughput, SurfacePoint& at, Outputs& out, Found&& found) {
+    const Scene& scene = job.scene;
+    if (!a.hit) {
+        if (out.log) [[unlikely]]
+            logSky(*out.log, scene, a.ray, throughput);
+        const LightHit sky = scene.lights().miss(a.ray, a.from);
+        if (sky) found(sky);
+        if (!a.from) out.aov(Aov::albedo, {clamp01(sky.radiance[0]), clamp01(sky.radiance[1]), clamp01(sky.radiance[2])});
+        return false;
+    }
+    at = scene.point(a.hit, a.ray);
+    throughput *= segmentTransmittance(scene, a.from, a.ray.d, &at, a.hit.t);
+    if (out.log) [[unlikely]]
+        logSurface(*out.log, at, at.ns, a.hit.t, throughput);
+    if (const LightHit light = scene.lights().hit(at, -a.ray.d, a.from)) found(light);
+    if (job.classes.continues(a.state) || !a.from) return true;
+    if (out.log) out.log->end(a.depth >= job.classes.maxDepth() ? "depth limit" : "no longer path is wanted");
+    return false;
+}
+
 } // namespace chiaro

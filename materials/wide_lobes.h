@@ -34,11 +34,17 @@ struct WideLobes {
     CHIARO_LANE Int load(const float* records, const float* albedos, const uint32_t* at, Mask m) noexcept {
         Float bits;
         loadFour(records, at, baseColor.c[0], baseColor.c[1], baseColor.c[2], bits);
-        loadFour(records + 4, at, alpha, ior, metallic, f90);
-        loadFour(records + 8, at, f0.c[0], f0.c[1], f0.c[2], coat);
-        loadFour(records + 12, at, glass, openAverage.c[0], openAverage.c[1], openAverage.c[2]);
         const Int flags = floatAsBits(bits);
         const auto has = [&](uint32_t flag) { return m & ((flags & Int(flag)) != Int(0u)); };
+        alpha = metallic = f90 = glass = Float(0.f);
+        ior = coat = Float(1.f);
+        f0 = Rgbw(Float(0.f));
+        openAverage = Rgbw(Float(1.f));
+        if (any(has(WideMaterial::lobes))) { // else there is nothing but a diffuse base
+            loadFour(records + 4, at, alpha, ior, metallic, f90);
+            loadFour(records + 8, at, f0.c[0], f0.c[1], f0.c[2], coat);
+            loadFour(records + 12, at, glass, openAverage.c[0], openAverage.c[1], openAverage.c[2]);
+        }
         lanes = m;
         rough = has(WideMaterial::rough);
         reflects = has(WideMaterial::reflects);
@@ -68,6 +74,7 @@ struct WideLobes {
         const Float bounded = select(rough, min(chance, Float(0.95f)), chance);
         diffuseO = select(mixed & (base + rest > Float(0.f)), bounded, diffuseO);
     }
+    CHIARO_LANE Mask others() const noexcept { return lanes & (reflects | straight | refracted); } // that are not diffuse alone
     CHIARO_LANE Mask smooth() const noexcept { return diffuse | glossy; }
 
     struct Albedo {

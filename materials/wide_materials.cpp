@@ -52,6 +52,7 @@ WideMaterials::WideMaterials(const Scene& scene) {
         flag(WideMaterial::doubleSided, m.doubleSided || m.unlit || fault(Fault::lampTwoSided));
         const bool inside = m.volume && m.transmission > 0 && m.metallic < 1;
         flag(WideMaterial::volume, inside);
+        volumes_ |= inside;
         flag(WideMaterial::absorbs, inside && std::isfinite(m.attenuationDistance) && m.attenuationDistance > 0);
         // Under a texture the factor itself: the product is clamped at the hit.
         put(r.baseColor, m.baseColorTexture.texture >= 0 ? m.baseColor : p.baseColor);
@@ -65,7 +66,7 @@ WideMaterials::WideMaterials(const Scene& scene) {
             for (std::size_t i = 0; i < 3; ++i) open[i] = std::max(1 - (w.f0[i] * (e.one - e.shape) + w.f90 * e.shape), 0.f);
         }
         put(r.openAverage, open);
-        if (w.alpha > 0 && w.ior > 0) {
+        if ((r.flags & WideMaterial::lobes) && w.alpha > 0 && w.ior > 0) {
             r.columns = uint32_t(columns_.size() * sizeof(AlbedoColumns) / sizeof(float));
             AlbedoSlice(w.alpha, w.ior).fill(columns_.emplace_back());
         }

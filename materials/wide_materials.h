@@ -24,8 +24,9 @@ struct alignas(64) WideMaterial {
         emits = 256,
         askEmission = 512, // its emission varies: ask the lights
         doubleSided = 1024,
-        volume = 2048,  // it has an inside that light crosses
-        absorbs = 4096, // which attenuates
+        volume = 2048,                                        // it has an inside that light crosses
+        absorbs = 4096,                                       // which attenuates
+        lobes = reflects | straight | refracted | dielectric, // other than diffuse
     };
     float baseColor[3];
     uint32_t flags;
@@ -41,10 +42,12 @@ class WideMaterials {
 public:
     explicit WideMaterials(const Scene&);
     const WideMaterial* records() const noexcept { return records_.data(); }
+    bool volumes() const noexcept { return volumes_; } // is there an inside that light crosses?
     const float* columns() const noexcept { return &columns_[0].cells[0][0]; }
 
 private:
     std::vector<WideMaterial> records_;
+    bool volumes_ = false;
     std::vector<AlbedoColumns> columns_; // the first is that of no material
 };
 

@@ -107,6 +107,14 @@ CHIARO_LANE Int operator|(Int x, Int y) noexcept { return {_mm256_or_si256(x.a, 
 CHIARO_LANE Int operator^(Int x, Int y) noexcept { return {_mm256_xor_si256(x.a, y.a), _mm256_xor_si256(x.b, y.b)}; }
 CHIARO_LANE Int operator>>(Int x, uint32_t n) noexcept { return {_mm256_srli_epi32(x.a, int(n)), _mm256_srli_epi32(x.b, int(n))}; }
 CHIARO_LANE Int operator<<(Int x, uint32_t n) noexcept { return {_mm256_slli_epi32(x.a, int(n)), _mm256_slli_epi32(x.b, int(n))}; }
+CHIARO_LANE Int mulHigh(Int x, Int y) noexcept { // the upper half of the product
+    const auto half = [](__m256i m, __m256i n) {
+        const __m256i even = _mm256_srli_epi64(_mm256_mul_epu32(m, n), 32);
+        const __m256i odd = _mm256_mul_epu32(_mm256_srli_epi64(m, 32), _mm256_srli_epi64(n, 32));
+        return _mm256_blend_epi32(even, odd, 0xaa);
+    };
+    return {half(x.a, y.a), half(x.b, y.b)};
+}
 CHIARO_LANE Mask operator==(Int x, Int y) noexcept { return {_mm256_cmpeq_epi32(x.a, y.a), _mm256_cmpeq_epi32(x.b, y.b)}; }
 CHIARO_LANE Mask operator!=(Int x, Int y) noexcept { return ~(x == y); }
 CHIARO_LANE Mask operator>=(Int x, Int y) noexcept { // unsigned
@@ -140,7 +148,15 @@ CHIARO_LANE Int reverseBits(Int x) noexcept { // by halves of bytes, then the by
     };
     return {one(x.a), one(x.b)};
 }
-CHIARO_LANE Int lookUp(const uint32_t (&table)[16], Int i) noexcept { // two tables of eight and the choice between them
+CHIARO_LANE Float lookUp(const float (&table)[16], Int i) noexcept { // two tables of eight and the choice between them
+    const __m256 low = _mm256_load_ps(table), high = _mm256_load_ps(table + 8);
+    const auto one = [&](__m256i at) {
+        return _mm256_blendv_ps(_mm256_permutevar8x32_ps(low, at), _mm256_permutevar8x32_ps(high, at),
+                                _mm256_castsi256_ps(_mm256_slli_epi32(at, 28)));
+    };
+    return {one(i.a), one(i.b)};
+}
+CHIARO_LANE Int lookUp(const uint32_t (&table)[16], Int i) noexcept {
     const __m256i low = _mm256_load_si256(reinterpret_cast<const __m256i*>(table));
     const __m256i high = _mm256_load_si256(reinterpret_cast<const __m256i*>(table + 8));
     const auto one = [&](__m256i at) {
@@ -189,6 +205,26 @@ CHIARO_LANE void loadFour(const float* p, const uint32_t* at, Float& a, Float& b
     };
     half(at, a.a, b.a, c.a, d.a);
     half(at + 8, a.b, b.b, c.b, d.b);
+}
+
+// Adds the lanes of a mask to the sums that they name, one after the other.
+CHIARO_LANE void addTo(float (*sums)[4], const uint32_t* at, Mask m, Float r, Float g, Float b) noexcept {
+    alignas(64) float each[2][4][8]; // lane 8 h + 4 j + e at [h][e][4 j]
+    const auto half = [](float(&to)[4][8], __m256 x, __m256 y, __m256 z) {
+        const __m256 zero = _mm256_setzero_ps(), xz0 = _mm256_unpacklo_ps(x, z), xz1 = _mm256_unpackhi_ps(x, z),
+                     y0 = _mm256_unpacklo_ps(y, zero), y1 = _mm256_unpackhi_ps(y, zero);
+        _mm256_store_ps(to[0], _mm256_unpacklo_ps(xz0, y0));
+        _mm256_store_ps(to[1], _mm256_unpackhi_ps(xz0, y0));
+        _mm256_store_ps(to[2], _mm256_unpacklo_ps(xz1, y1));
+        _mm256_store_ps(to[3], _mm256_unpackhi_ps(xz1, y1));
+    };
+    half(each[0], r.a, g.a, b.a);
+    half(each[1], r.b, g.b, b.b);
+    for (uint32_t bits = m.bits(); bits; bits &= bits - 1) {
+        const auto k = uint32_t(__builtin_ctz(bits));
+        float* const sum = sums[at[k]];
+        _mm_store_ps(sum, _mm_add_ps(_mm_load_ps(sum), _mm_load_ps(&each[k >> 3][k & 3][k & 4])));
+    }
 }
 
 CHIARO_LANE Long longs(Int l, Int h) noexcept {

@@ -74,6 +74,11 @@ CHIARO_LANE Int operator|(Int a, Int b) noexcept { return _mm512_or_si512(a.v, b
 CHIARO_LANE Int operator^(Int a, Int b) noexcept { return _mm512_xor_si512(a.v, b.v); }
 CHIARO_LANE Int operator>>(Int a, uint32_t n) noexcept { return _mm512_srli_epi32(a.v, n); }
 CHIARO_LANE Int operator<<(Int a, uint32_t n) noexcept { return _mm512_slli_epi32(a.v, n); }
+CHIARO_LANE Int mulHigh(Int a, Int b) noexcept { // the upper half of the product
+    const __m512i even = _mm512_srli_epi64(_mm512_mul_epu32(a.v, b.v), 32);
+    const __m512i odd = _mm512_mul_epu32(_mm512_srli_epi64(a.v, 32), _mm512_srli_epi64(b.v, 32));
+    return _mm512_mask_blend_epi32(__mmask16(0xaaaa), even, odd);
+}
 CHIARO_LANE Mask operator==(Int a, Int b) noexcept { return Mask(uint32_t(_mm512_cmpeq_epi32_mask(a.v, b.v))); }
 CHIARO_LANE Mask operator!=(Int a, Int b) noexcept { return Mask(uint32_t(_mm512_cmpneq_epi32_mask(a.v, b.v))); }
 CHIARO_LANE Mask operator<(Int a, Int b) noexcept { return Mask(uint32_t(_mm512_cmplt_epu32_mask(a.v, b.v))); }
@@ -92,6 +97,7 @@ CHIARO_LANE Int reverseBits(Int a) noexcept { // by halves of bytes, then the by
     const __m512i high = _mm512_shuffle_epi8(table, _mm512_and_si512(_mm512_srli_epi16(a.v, 4), half));
     return _mm512_shuffle_epi8(_mm512_or_si512(_mm512_slli_epi16(low, 4), high), turned);
 }
+CHIARO_LANE Float lookUp(const float (&table)[16], Int i) noexcept { return _mm512_permutexvar_ps(i.v, _mm512_load_ps(table)); }
 CHIARO_LANE Int lookUp(const uint32_t (&table)[16], Int i) noexcept { return _mm512_permutexvar_epi32(i.v, _mm512_load_si512(table)); }
 
 // Lanes that are not asked read nothing and give 0.
@@ -118,6 +124,22 @@ CHIARO_LANE void loadFour(const float* p, const uint32_t* at, Float& a, Float& b
     b = _mm512_shuffle_ps(t0, t2, 0xee);
     c = _mm512_shuffle_ps(t1, t3, 0x44);
     d = _mm512_shuffle_ps(t1, t3, 0xee);
+}
+
+// Adds the lanes of a mask to the sums that they name, one after the other.
+CHIARO_LANE void addTo(float (*sums)[4], const uint32_t* at, Mask m, Float r, Float g, Float b) noexcept {
+    const __m512 zero = _mm512_setzero_ps(), rb0 = _mm512_unpacklo_ps(r.v, b.v), rb1 = _mm512_unpackhi_ps(r.v, b.v),
+                 g0 = _mm512_unpacklo_ps(g.v, zero), g1 = _mm512_unpackhi_ps(g.v, zero);
+    alignas(64) float each[4][16]; // lane 4 j + e at [e][4 j]
+    _mm512_store_ps(each[0], _mm512_unpacklo_ps(rb0, g0));
+    _mm512_store_ps(each[1], _mm512_unpackhi_ps(rb0, g0));
+    _mm512_store_ps(each[2], _mm512_unpacklo_ps(rb1, g1));
+    _mm512_store_ps(each[3], _mm512_unpackhi_ps(rb1, g1));
+    for (uint32_t bits = m.bits(); bits; bits &= bits - 1) {
+        const auto k = uint32_t(__builtin_ctz(bits));
+        float* const sum = sums[at[k]];
+        _mm_store_ps(sum, _mm_add_ps(_mm_load_ps(sum), _mm_load_ps(&each[k & 3][k & ~3u])));
+    }
 }
 
 CHIARO_LANE Long longs(Int low, Int high) noexcept {

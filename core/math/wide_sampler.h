@@ -66,12 +66,15 @@ struct WideSampler {
         const Long h = hashCombine(key, longs(dimension, Int(0u)));
         return toUnit(reverseBits(laineKarras(shuffled(low(h)), low(h >> 32))));
     }
-    CHIARO_LANE WidePick get3D(Int dimension) const noexcept {
+    // pick: false where nobody asks for the first number, which is 0 then.
+    CHIARO_LANE WidePick get3D(Int dimension, bool pick = true) const noexcept {
         const Long h = hashCombine(key, longs(dimension, Int(0u))), g = hashMix(h ^ longs(0x6a09e667f3bcc909ull));
         const Int index = shuffled(low(h));
-        return {
-            reverseBits(laineKarras(sobolThirdReversed(index), low(g >> 32))),
+        WidePick p{
+            Int(0u),
             {toUnit(reverseBits(laineKarras(index, low(h >> 32)))), toUnit(reverseBits(laineKarras(sobolSecondReversed(index), low(g))))}};
+        if (pick) p.pick = reverseBits(laineKarras(sobolThirdReversed(index), low(g >> 32)));
+        return p;
     }
 };
 

@@ -26,6 +26,15 @@ uint32_t quietEnd(const Film& film, double noise, uint32_t end) {
     return needed < double(end - film.begin()) ? std::max(film.begin() + uint32_t(needed), film.done()) : end;
 }
 
+// Samples that every pixel has after a pass that was stopped. Adaptive sampling leaves some pixels behind for good.
+uint32_t reached(const Film& film) {
+    const Rect& r = film.layout().crop;
+    uint32_t least = ~0u;
+    for (uint32_t y = r.y0; y < r.y1; ++y)
+        for (uint32_t x = r.x0; x < r.x1; ++x) least = std::min(least, film.next({x, y}));
+    return std::max(least, film.done());
+}
+
 } // namespace
 
 RenderResult render(const Job& job, Integrator& integrator, Film& film, const Budget& budget, StopToken& stop, const Keeping& keeping) {
@@ -51,7 +60,10 @@ RenderResult render(const Job& job, Integrator& integrator, Film& film, const Bu
         const auto passBegun = Clock::now();
         integrator.render(job, pass, film);
         perSample = secondsSince(passBegun) / (pass.end - pass.begin);
-        if (stop.requested() && !film.complete(pass.end)) break; // within the pass: what is there is in the film's counts
+        if (stop.requested() && !film.complete(pass.end)) { // within the pass: what is there is in the film's counts
+            film.setDone(reached(film));
+            break;
+        }
         film.setDone(pass.end);
         if (std::has_single_bit(film.done() - film.begin())) {
             plan.noise = film.noise();

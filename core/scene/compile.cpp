@@ -124,6 +124,7 @@ private:
     Geometry geometry(PrimitiveDesc, const std::optional<Affine>& toWorld) const;
     void count();
     void lights();
+    std::size_t lightBytes() const;
 
     SceneDesc desc_;
     Diagnostics& notes_;
@@ -313,6 +314,9 @@ void SceneCompiler::lights() {
         return m.unlit ? !black(m.baseColor) : !black(m.emission);
     };
     SceneCounts& n = scene_->counts_;
+    std::size_t triangles = 0;
+    for (const DrawnPart& p : scene_->parts_) triangles += shines(scene_->geometries_[p.geometry]) ? p.triangles : 0;
+    scene_->lights_.triangles_.reserve(triangles);
     for (uint32_t i = 0; i < top_; ++i) {
         Geometry& g = scene_->geometries_[i];
         if (!shines(g)) continue;
@@ -334,7 +338,16 @@ void SceneCompiler::lights() {
         builder.addPunctual(l, scene_->centre_, scene_->radius_, moves(l.motion) ? addMotion(l.motion) : Lights::none);
     n.punctualLights = desc_.lights.size();
     if (desc_.environment) builder.setEnvironment(*desc_.environment, scene_->radius_);
-    builder.finish();
+    builder.finish(run_);
+}
+
+std::size_t SceneCompiler::lightBytes() const {
+    constexpr std::size_t cell = 12; // of an alias table
+    const Lights& l = scene_->lights_;
+    std::size_t sum = heldBy(l.triangles_) + heldBy(l.punctual_) + (l.finite_.size() + l.outside_.size()) * cell +
+                      heldBy(l.outsideLights_) + l.tree_.bytes();
+    if (l.environment_) sum += heldBy(l.environment_->texels) + heldBy(l.environment_->rowCosine) + l.environment_->table.size() * cell;
+    return sum;
 }
 
 std::unique_ptr<const Scene> SceneCompiler::run(const std::string& isa) {
@@ -345,6 +358,7 @@ std::unique_ptr<const Scene> SceneCompiler::run(const std::string& isa) {
     centre();
     place();
     lights();
+    scene_->counts_.bytes.lights = lightBytes();
     scene_->counts_.bytes.textures = scene_->textures_.bytes();
     scene_->cameras_ = std::move(desc_.cameras);
     for (CameraDesc& c : scene_->cameras_) {

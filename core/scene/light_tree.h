@@ -28,6 +28,7 @@ public:
         float cosReach = 0;     // of a surface 0
         bool bothSides = false; // shines along -axis as well
         float intensity = 0;    // cd along the axis; 0: never chosen
+        float area = 0;         // of its surface, square metres
         uint32_t light = 0;     // its number, below `lights`
     };
     struct Pick {
@@ -39,11 +40,13 @@ public:
     // run: builds in parallel; null: in this thread. The tree does not depend on it.
     LightTree(std::span<const Emitter>, uint32_t lights, const Executor* run = nullptr);
 
-    bool empty() const noexcept { return nodes_.empty(); }
+    bool empty() const noexcept { return nodes_.empty(); } // also where all lights are one patch: their intensity says all
     // For a point and the normal of its surface, whichever side that is on. u in [0, 1), with 32 random bits.
     Pick choose(const Vec3& p, const Vec3& normal, double u) const noexcept;
     float pmf(uint32_t light, const Vec3& p, const Vec3& normal) const noexcept; // 0 of a light that is not in the tree
-    std::size_t bytes() const noexcept { return nodes_.size() * sizeof(Node) + places_.size() * sizeof(uint32_t); }
+    std::size_t bytes() const noexcept {
+        return nodes_.size() * (sizeof(Node) + 4) + members_.size() * sizeof(Member) + places_.size() * sizeof(Place);
+    }
 
     // Eight children side by side, 48 bytes each. An empty place has no intensity.
     struct alignas(64) Node {
@@ -51,15 +54,25 @@ public:
         float axisX[width], axisY[width], axisZ[width];
         float cosSpread[width], sinSpread[width], cosReach[width];
         float intensity[width]; // negative: shines on both sides
-        uint32_t child[width];  // a node, or from `leaf` on a light
+        uint32_t child[width];  // a node, or from `leaf` on a light, or from `patch` on the first member of a patch
+    };
+    // Of a patch: the shares of its members, added up, end at 1.
+    struct Member {
+        uint32_t light = 0;
+        float upTo = 0;
     };
 
 private:
     friend class LightTreeBuilder;
-    static constexpr uint32_t leaf = 0x80000000u;
+    static constexpr uint32_t patch = 0x40000000u, leaf = 0x80000000u;
+    struct Place {
+        uint32_t at = none; // node * width + child; none: not in the tree
+        float share = 1;    // of its patch
+    };
     std::vector<Node> nodes_;       // the root first
-    std::vector<uint32_t> parents_; // of each node: the place that it hangs on, as node * width + child
-    std::vector<uint32_t> places_;  // of each light likewise; none: not in the tree
+    std::vector<uint32_t> parents_; // of each node: the place that it hangs on
+    std::vector<Member> members_;
+    std::vector<Place> places_; // of each light
 };
 
 } // namespace chiaro

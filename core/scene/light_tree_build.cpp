@@ -13,7 +13,8 @@ namespace {
 using Emitter = LightTree::Emitter;
 constexpr std::size_t bins = 16;
 constexpr uint32_t atOnce = 1u << 12; // emitters below which a subtree is one piece of work
-constexpr int deepest = 40;           // cuts by the heuristic; below them halves, whatever the coordinates
+constexpr uint32_t mostOfPatch = 64;
+constexpr int deepest = 40; // cuts by the heuristic; below them halves, whatever the coordinates
 
 float component(const Vec3& v, int axis) noexcept { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 Vec3 lower(const Vec3& a, const Vec3& b) noexcept { return {min(a.x, b.x), min(a.y, b.y), min(a.z, b.z)}; }
@@ -74,8 +75,10 @@ struct Heap {
 
 struct Range {
     uint32_t begin = 0, end = 0;
-    int cuts = 0; // above it
+    int cuts = 0;       // above it
+    bool whole = false; // one patch
     uint32_t count() const noexcept { return end - begin; }
+    uint32_t divisible() const noexcept { return whole ? 1 : count(); }
 };
 
 } // namespace
@@ -89,7 +92,7 @@ private:
     using Node = LightTree::Node;
     struct Part {
         Range range;
-        uint32_t parent = 0;
+        uint32_t parent = 0; // the place it hangs on
         std::vector<Node> nodes;
         std::vector<uint32_t> parents;
     };
@@ -100,6 +103,8 @@ private:
         std::size_t count = 0;
     };
     Branches branches(const Range&) noexcept;
+    bool onePatch(const Range&) const noexcept;
+    void hangPatch(const Range&, uint32_t place);
     Node node(const Branches&) const noexcept;
     void bound(const Range&, Node&, std::size_t place) const noexcept;
     void build(const Range&, uint32_t parent, std::vector<Node>&, std::vector<uint32_t>& parents, std::vector<Part>* later) noexcept;
@@ -107,6 +112,7 @@ private:
     LightTree& tree_;
     std::span<const Emitter> emitters_;
     std::vector<Emitter> order_;
+    std::vector<uint32_t> patchEnd_; // of a patch, by its first emitter
 };
 
 // Where the second half begins; the emitters of the range are put in order.
@@ -158,15 +164,47 @@ uint32_t LightTreeBuilder::cut(const Range& r) noexcept {
                     begin);
 }
 
+// One piece of a surface: it fills a good part of the disc around it, faces within 45 degrees of one way, and no part of it is so faint
+// that a share in floats would lose it.
+bool LightTreeBuilder::onePatch(const Range& r) const noexcept {
+    if (r.count() < 2 || r.count() > mostOfPatch) return false;
+    Node n{};
+    bound(r, n, 0);
+    float area = 0, least = infinity;
+    for (uint32_t i = r.begin; i < r.end; ++i) {
+        area += order_[i].area;
+        least = min(least, order_[i].intensity);
+        if (order_[i].bothSides != order_[r.begin].bothSides) return false;
+    }
+    return n.cosSpread[0] > 0.7071f && area > 0.25f * pi * sqr(n.radius[0]) && least > 0x1p-16f * std::fabs(n.intensity[0]);
+}
+
+// Called in the order of the places, by one thread.
+void LightTreeBuilder::hangPatch(const Range& r, uint32_t place) {
+    double sum = 0, sofar = 0;
+    for (uint32_t i = r.begin; i < r.end; ++i) sum += double(order_[i].intensity);
+    tree_.nodes_[place / LightTree::width].child[place % LightTree::width] = LightTree::patch + uint32_t(tree_.members_.size());
+    for (uint32_t i = r.begin; i < r.end; ++i) {
+        const double before = i == r.begin ? 0 : double(tree_.members_.back().upTo);
+        sofar += double(order_[i].intensity);
+        tree_.members_.push_back({order_[i].light, i + 1 == r.end ? 1.f : float(sofar / sum)});
+        tree_.places_[order_[i].light] = {place, float(double(tree_.members_.back().upTo) - before)};
+    }
+}
+
 LightTreeBuilder::Branches LightTreeBuilder::branches(const Range& whole) noexcept {
     Branches b;
     b.range[b.count++] = whole;
     while (b.count < LightTree::width) {
-        Range& largest = *std::max_element(b.range, b.range + b.count, [](const Range& x, const Range& y) { return x.count() < y.count(); });
-        if (largest.count() < 2) break;
+        Range& largest =
+            *std::max_element(b.range, b.range + b.count, [](const Range& x, const Range& y) { return x.divisible() < y.divisible(); });
+        if (largest.divisible() < 2) break;
         const uint32_t middle = cut(largest);
-        b.range[b.count++] = {middle, largest.end, largest.cuts + 1};
-        largest = {largest.begin, middle, largest.cuts + 1};
+        Range after{middle, largest.end, largest.cuts + 1, false}, before{largest.begin, middle, largest.cuts + 1, false};
+        after.whole = onePatch(after);
+        before.whole = onePatch(before);
+        b.range[b.count++] = after;
+        largest = before;
     }
     return b;
 }
@@ -232,8 +270,9 @@ void LightTreeBuilder::build(const Range& r, uint32_t parent, std::vector<Node>&
     parents.push_back(parent);
     for (std::size_t i = 0; i < b.count; ++i) {
         const Range& child = b.range[i];
-        if (child.count() == 1) {
-            nodes[self].child[i] = LightTree::leaf + order_[child.begin].light;
+        if (child.divisible() == 1) { // told by its first emitter until all is in place
+            nodes[self].child[i] = (child.whole ? LightTree::patch : LightTree::leaf) + child.begin;
+            if (child.whole) patchEnd_[child.begin] = child.end;
             continue;
         }
         const auto place = uint32_t(self * LightTree::width + i);
@@ -248,27 +287,36 @@ void LightTreeBuilder::build(const Range& r, uint32_t parent, std::vector<Node>&
 void LightTreeBuilder::run(const Executor* executor) {
     for (const Emitter& e : emitters_)
         if (e.intensity > 0) order_.push_back(e);
-    if (order_.empty()) return;
+    Range all{0, uint32_t(order_.size())};
+    if (order_.size() < 2 || (all.whole = onePatch(all))) return;
+    patchEnd_.resize(order_.size());
     std::vector<Part> parts;
-    build({0, uint32_t(order_.size()), 0}, LightTree::none, tree_.nodes_, tree_.parents_, &parts);
-    inParallel(executor, parts.size(), [&](uint64_t i) { build(parts[i].range, parts[i].parent, parts[i].nodes, parts[i].parents, nullptr); });
+    build(all, LightTree::none, tree_.nodes_, tree_.parents_, &parts);
+    inParallel(executor, parts.size(),
+               [&](uint64_t i) { build(parts[i].range, parts[i].parent, parts[i].nodes, parts[i].parents, nullptr); });
     for (const Part& p : parts) {
         const auto base = uint32_t(tree_.nodes_.size());
         tree_.nodes_[p.parent / LightTree::width].child[p.parent % LightTree::width] = base;
         for (std::size_t k = 0; k < p.nodes.size(); ++k) {
             Node& n = tree_.nodes_.emplace_back(p.nodes[k]);
             for (uint32_t& c : n.child)
-                if (c < LightTree::leaf) c += base;
+                if (c < LightTree::patch) c += base;
             tree_.parents_.push_back(k == 0 ? p.parent : p.parents[k] + base * uint32_t(LightTree::width));
         }
     }
-    for (uint32_t i = 0; i < tree_.nodes_.size(); ++i)
-        for (uint32_t k = 0; k < LightTree::width; ++k)
-            if (const uint32_t c = tree_.nodes_[i].child[k]; c >= LightTree::leaf && c != LightTree::none)
-                tree_.places_[c - LightTree::leaf] = i * uint32_t(LightTree::width) + k;
+    for (uint32_t place = 0; place < tree_.nodes_.size() * LightTree::width; ++place) {
+        uint32_t& c = tree_.nodes_[place / LightTree::width].child[place % LightTree::width];
+        if (c < LightTree::patch || c == LightTree::none) continue;
+        if (c < LightTree::leaf) {
+            hangPatch({c - LightTree::patch, patchEnd_[c - LightTree::patch]}, place);
+            continue;
+        }
+        c = LightTree::leaf + order_[c - LightTree::leaf].light;
+        tree_.places_[c - LightTree::leaf] = {place, 1};
+    }
 }
 
-LightTree::LightTree(std::span<const Emitter> emitters, uint32_t lights, const Executor* run) : places_(lights, none) {
+LightTree::LightTree(std::span<const Emitter> emitters, uint32_t lights, const Executor* run) : places_(lights) {
     LightTreeBuilder(*this, emitters).run(run);
     if (nodes_.empty()) places_.clear();
 }

@@ -12,28 +12,6 @@ float Lights::pmf(uint32_t light) const noexcept {
     return finite_.empty() ? 0 : (1 - pickEnvironment_) * finite_.pmf(light);
 }
 
-float Lights::pmf(uint32_t light, const SurfacePoint& from) const noexcept {
-    if (tree_.empty() || light >= triangles_.size() + punctual_.size()) return pmf(light);
-    float here = pickTree_ * tree_.pmf(light, from.p, from.ng);
-    if (here == 0 && !outside_.empty()) {
-        const auto at = std::lower_bound(outsideLights_.begin(), outsideLights_.end(), light);
-        if (at != outsideLights_.end() && *at == light) here = (1 - pickTree_) * outside_.pmf(uint32_t(at - outsideLights_.begin()));
-    }
-    return (1 - pickEnvironment_) * here;
-}
-
-// uTest: for the alias test, and what is left of it.
-Choice Lights::choose(const SurfacePoint& from, double u, float uTest) const noexcept {
-    if (tree_.empty()) return finite_.empty() ? Choice{} : finite_.choose(u, uTest);
-    const double edge = double(pickTree_);
-    if (u < edge) {
-        const LightTree::Pick pick = tree_.choose(from.p, from.ng, u / edge);
-        return {pick.light, pickTree_ * pick.pmf, uTest};
-    }
-    Choice c = outside_.choose((u - edge) / (1 - edge), uTest);
-    return {outsideLights_[c.index], (1 - pickTree_) * c.pmf, c.u};
-}
-
 std::optional<LightSample> Lights::sampleTowards(const SurfacePoint& from, double uPick, Point2 u) const noexcept {
     const double edge = double(pickEnvironment_);
     std::optional<LightSample> s;

@@ -80,7 +80,7 @@ public:
     std::optional<LightSample> sampleOne(uint32_t light, const SurfacePoint& from, double uPick, Point2 u) const noexcept;
     uint32_t count() const noexcept;
     bool hasEnvironment() const noexcept { return environment_.has_value() && environment_->power > 0; }
-    float pmf(uint32_t light) const noexcept;                          // of choosing it by power, as emit() does
+    float pmf(uint32_t light) const noexcept;                           // of choosing it by power, as emit() does
     float pmf(uint32_t light, const SurfacePoint& from) const noexcept; // of choosing it towards a point, as sampleTowards() does
     // Emission of a surface towards wo. from: where the ray came from, null for a camera.
     LightHit hit(const SurfacePoint& emitter, const Vec3& wo, const SurfacePoint* from) const noexcept;
@@ -99,10 +99,7 @@ public:
     std::vector<LightInfo> describe() const;
     double power() const noexcept { return power_; } // lumen
 
-private:
-    friend class LightsBuilder;
-    friend class SceneCompiler;
-    friend class WideLights; // core/scene/wide_lights.h
+    // An emissive triangle: the light of its number.
     struct Triangle {
         Vec3 p, e1, e2;
         float area = 0;
@@ -121,6 +118,7 @@ private:
 private:
     friend class LightsBuilder;
     friend class SceneCompiler;
+    friend class WideLights; // core/scene/wide_lights.h
     struct Punctual {
         PunctualKind kind = PunctualKind::point;
         Spectrum intensity;

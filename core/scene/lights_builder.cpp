@@ -2,6 +2,7 @@
 #include "core/render/fault.h"
 #include <cstring>
 #include <map>
+#include <numeric>
 
 namespace chiaro {
 
@@ -23,14 +24,21 @@ double LightsBuilder::meanEmission(const Lights::Triangle& t) const {
             const Point2 a = corner[k], b = corner[(k + 1) % 3];
             longest = std::max(longest, std::hypot((b.x - a.x) * width, (b.y - a.y) * height));
         }
-        n = int(std::clamp(std::isfinite(longest) ? longest * 1.5 : 64.0, 3.0, 64.0));
+        // Of few texels each is a large part of the mean.
+        const double least = width * height <= 256 ? 16 : 6;
+        n = int(std::clamp(std::isfinite(longest) ? longest * 1.5 : 64.0, least, 64.0));
     }
+    // The middles of n * n triangles of equal area.
     double sum = 0;
     int count = 0;
+    const auto add = [&](float u, float v) {
+        sum += luminance(lights_.emission(scene_.attributes({t.geometry, t.triangle, t.instance, u / float(n), v / float(n), 0})));
+        ++count;
+    };
     for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n - i; ++j, ++count) {
-            const float u = (float(i) + 1 / 3.f) / float(n), v = (float(j) + 1 / 3.f) / float(n);
-            sum += luminance(lights_.emission(scene_.attributes({t.geometry, t.triangle, t.instance, u, v, 0})));
+        for (int j = 0; j < n - i; ++j) {
+            add(float(i) + 1 / 3.f, float(j) + 1 / 3.f);
+            if (j + 1 < n - i) add(float(i) + 2 / 3.f, float(j) + 2 / 3.f);
         }
     return sum / count;
 }
@@ -49,6 +57,7 @@ float meanTwice(const Motion& motion, const Vec3& n) {
 uint32_t LightsBuilder::addMesh(const Geometry& g, uint32_t geometry, const Instance* instance, uint32_t instanceIndex) {
     const MaterialDesc& m = scene_.material(g.material);
     const auto first = uint32_t(lights_.triangles_.size());
+    lamps_ += pieces(g);
     for (uint32_t i = 0; i < g.triangles(); ++i) {
         const auto corner = g.triangle(i);
         Vec3 p[3] = {g.positions[corner[0]], g.positions[corner[1]], g.positions[corner[2]]};
@@ -76,10 +85,33 @@ uint32_t LightsBuilder::addMesh(const Geometry& g, uint32_t geometry, const Inst
     return first;
 }
 
+// Of triangles that share vertices.
+std::size_t LightsBuilder::pieces(const Geometry& g) {
+    std::vector<uint32_t> towards(g.positions.size()); // each vertex to one of its piece, the last to itself
+    std::iota(towards.begin(), towards.end(), 0);
+    const auto root = [&](uint32_t v) {
+        while (towards[v] != v) v = towards[v] = towards[towards[v]];
+        return v;
+    };
+    for (uint32_t i = 0; i < g.triangles(); ++i) {
+        const auto corner = g.triangle(i);
+        for (const auto& [a, b] : {std::pair{corner[0], corner[1]}, {corner[0], corner[2]}}) towards[root(a)] = root(b);
+    }
+    std::vector<bool> met(g.positions.size());
+    std::size_t count = 0;
+    for (uint32_t i = 0; i < g.triangles(); ++i) {
+        const uint32_t r = root(g.triangle(i)[0]);
+        count += !met[r];
+        met[r] = true;
+    }
+    return count;
+}
+
 void LightsBuilder::addPunctual(const PunctualDesc& d, const Vec3d& centre, float sceneRadius, uint32_t motion) {
     Lights::Punctual l;
     l.motion = motion;
     l.kind = d.kind;
+    ++lamps_;
     l.intensity = d.intensity * (fault(Fault::candelaAsLumen) ? 1 / (4 * pi) : 1.f);
     l.name = d.name;
     l.p = cast<float>(d.toWorld.point(Vec3d{0, 0, 0}) - centre);
@@ -150,49 +182,6 @@ void LightsBuilder::setEnvironment(const EnvironmentDesc& d, float sceneRadius) 
     lights_.environment_ = std::move(e);
 }
 
-void LightsBuilder::plantTree(const Executor* run) {
-    std::vector<LightTree::Emitter> emitters;
-    std::vector<double> outside;
-    double inside = 0;
-    for (uint32_t i = 0; i < lights_.triangles_.size(); ++i) {
-        const Lights::Triangle& t = lights_.triangles_[i];
-        if (t.motion != Lights::none) {
-            lights_.outsideLights_.push_back(i);
-            outside.push_back(t.power);
-            continue;
-        }
-        const Vec3 q = t.p + t.e1, r = t.p + t.e2;
-        const Vec3 centre = Vec3{max(t.p.x, max(q.x, r.x)) + min(t.p.x, min(q.x, r.x)), max(t.p.y, max(q.y, r.y)) + min(t.p.y, min(q.y, r.y)),
-                                 max(t.p.z, max(q.z, r.z)) + min(t.p.z, min(q.z, r.z))} *
-                            0.5f;
-        const float radius = max(length(t.p - centre), max(length(q - centre), length(r - centre)));
-        emitters.push_back({centre, radius, t.ng, 1, 0, t.doubleSided, t.power / (pi * (t.doubleSided ? 2 : 1)), i});
-        inside += double(t.power);
-    }
-    for (uint32_t i = 0; i < lights_.punctual_.size(); ++i) {
-        const Lights::Punctual& l = lights_.punctual_[i];
-        const auto number = uint32_t(lights_.triangles_.size()) + i;
-        if (l.motion != Lights::none || l.kind == PunctualKind::directional) {
-            lights_.outsideLights_.push_back(number);
-            outside.push_back(l.power);
-            continue;
-        }
-        // A spot: clamp(cos * scale + offset)^2 is 1 within its inner cone and 0 beyond the outer.
-        const bool spot = l.kind == PunctualKind::spot;
-        const float inner = spot ? std::clamp((1 - l.offset) / l.scale, -1.f, 1.f) : -1, outer = spot ? std::clamp(-l.offset / l.scale, -1.f, 1.f) : 0;
-        const float reach = std::acos(outer) - std::acos(inner);
-        emitters.push_back({l.p, 0, l.axis, inner, spot ? std::cos(reach) : 0, false, luminance(l.intensity), number});
-        inside += l.power;
-    }
-    const char* few = getenv("CHIARO_FEW");
-    if (emitters.size() <= std::size_t(few ? atoi(few) : 0) || !(inside > 0)) return lights_.outsideLights_.clear();
-    lights_.tree_ = LightTree(emitters, lights_.count(), run);
-    lights_.outside_ = AliasTable(outside);
-    constexpr double least = 0x1p-10;
-    const double rest = lights_.outside_.sum();
-    lights_.pickTree_ = rest > 0 ? float(std::clamp(inside / (inside + rest), least, 1 - least)) : 1;
-}
-
 void LightsBuilder::finish(const Executor* run) {
     std::vector<double> power;
     for (const Lights::Triangle& t : lights_.triangles_) power.push_back(t.power);
@@ -200,11 +189,9 @@ void LightsBuilder::finish(const Executor* run) {
     lights_.finite_ = AliasTable(power);
     const double sky = lights_.environment_ ? lights_.environment_->power : 0;
     lights_.power_ = lights_.finite_.sum() + sky;
-    // Neither side may round to nothing: a lamp on a wide plain under the sky has less than 2^-24 of its power.
-    constexpr double least = 0x1p-10;
-    plantTree(run);
+    if (lamps_ > few) plantTree(run);
     const double share = lights_.power_ > 0 ? sky / lights_.power_ : 0;
-    lights_.pickEnvironment_ = share > 0 && share < 1 ? float(std::clamp(share, least, 1 - least)) : float(share);
+    lights_.pickEnvironment_ = share > 0 && share < 1 ? float(std::clamp(share, leastShare, 1 - leastShare)) : float(share);
 }
 
 std::vector<LightInfo> Lights::describe() const {

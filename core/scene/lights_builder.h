@@ -19,7 +19,13 @@ public:
     void finish(const Executor* run = nullptr); // the tables and the tree
 
 private:
+    // Neither of two sides may round to nothing: a lamp on a wide plain under the sky has less than 2^-24 of its power.
+    static constexpr double leastShare = 0x1p-10;
+    // Lamps among which power alone chooses: then the tree costs more than it wins (docs/lights.md).
+    static constexpr std::size_t few = 4;
     void plantTree(const Executor*);
+    static std::size_t pieces(const Geometry&);
+    std::size_t lamps_ = 0; // connected surfaces, and the punctual lights
     double meanEmission(const Lights::Triangle&) const;
     const Scene& scene_;
     Lights& lights_;

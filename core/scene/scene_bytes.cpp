@@ -1,11 +1,12 @@
 #include "core/scene/scene_bytes.h"
+#include <algorithm>
 
 namespace chiaro {
 
 SceneForecast forecast(const SceneSizes& s) noexcept {
     // Bytes of Embree 3.13's hierarchies with the robust flag and the default quality, measured from 36 to 8 million triangles: 68 to 75 a
     // triangle, 132 while it is built; 700 an instance.
-    constexpr std::size_t hierarchy = 75, building = 140, instance = 800, placement = 250, light = 200, index = 12;
+    constexpr std::size_t hierarchy = 75, building = 140, instance = 800, placement = 250, light = 200, lightBuilding = 350, index = 12;
     constexpr std::size_t sky = 32, skyBuilding = 48; // a texel: radiance and its table; what makes them
     SceneForecast f;
     f.kept.geometry = s.vertexBytes + s.triangles * index;
@@ -14,8 +15,9 @@ SceneForecast forecast(const SceneSizes& s) noexcept {
     f.kept.lights = s.emissive * light + s.skyTexels * sky;
     f.kept.textures = s.textureBytes;
     const std::size_t reading = f.kept.geometry + f.kept.textures + s.fileBytes;
-    const std::size_t committing = f.kept.total() + s.triangles * (building - hierarchy) + s.skyTexels * skyBuilding;
-    f.most = reading > committing ? reading : committing;
+    const std::size_t lighting = f.kept.total() - f.kept.hierarchy + s.emissive * lightBuilding + s.skyTexels * skyBuilding;
+    const std::size_t committing = f.kept.total() + s.triangles * (building - hierarchy);
+    f.most = std::max({reading, lighting, committing});
     return f;
 }
 

@@ -41,7 +41,7 @@ CHIARO_LANE void triangleSample(const Float (&w)[20], const WidePoint& at, const
     const Float distance = length(d);
     s.wi = select(m, wi, s.wi);
     s.radiance = select(m, {w[12], w[13], w[14]}, s.radiance);
-    s.pdfW = select(m, areaToSolidAngle(Float(1.f) / w[10], distanceSquared, cosine), s.pdfW);
+    s.pdfW = select(m, areaToSolidAngle(w[10], distanceSquared, cosine), s.pdfW);
     s.o = select(m, from, s.o);
     s.d = select(m, select(distance > Float(0.f), d * (Float(1.f) / distance), at.ng), s.d);
     s.tfar = select(m, distance * Float(fault(Fault::shadowRayShort) ? 0.9f : 1 - 0x1p-20f), s.tfar);
@@ -88,8 +88,9 @@ CHIARO_LANE WideLightSample sampleTowards(const WideLights& lights, const WidePo
                                           const WidePick& pick) noexcept {
     WideLightSample s{at.ng, Rgbw(Float(0.f)), Float(0.f), at.p, at.ng, Float(0.f), Mask(), Mask()};
     LightLanes l;
-    pick.pick.store(l.pick);
+    if (lights.edge() > 0 || lights.byTree()) pick.pick.store(l.pick);
     const bool finite = lights.finite() > 0;
+    const float(*const fields)[WideLights::few] = lights.fields();
     const auto tell = [&](Float ux) { // the receiver, for lanes that are asked one by one
         at.p.x.store(l.px), at.p.y.store(l.py), at.p.z.store(l.pz);
         at.ng.x.store(l.nx), at.ng.y.store(l.ny), at.ng.z.store(l.nz);
@@ -97,11 +98,13 @@ CHIARO_LANE WideLightSample sampleTowards(const WideLights& lights, const WidePo
         ux.store(l.ux), pick.u.y.store(l.uy);
     };
     Float ux = pick.u.x, pmf(float(lights.edge()));
-    if (finite)
+    Int light(lights.environment() ? LightLanes::sky : LightLanes::unchosen);
+    if (finite && lights.edge() == 0) { // the same cells without doubles: the product is exact either way
+        light = mulHigh(pick.pick, Int(lights.finite()));
+    } else if (finite) {
         cells(lights, l);
-    else
-        Int(lights.environment() ? LightLanes::sky : LightLanes::unchosen).store(l.light);
-    Int light(l.light);
+        light = Int(l.light);
+    }
     const Mask sky = m & (light == Int(LightLanes::sky));
     Mask chosen = andNot(m, sky) & (light != Int(LightLanes::unchosen));
     if (lights.byTree()) {
@@ -111,12 +114,17 @@ CHIARO_LANE WideLightSample sampleTowards(const WideLights& lights, const WidePo
         light = Int(l.light), ux = Float(l.ux), pmf = Float(l.pmf);
         chosen = chosen & (light != Int(LightLanes::unchosen));
     } else if (any(chosen)) {
-        alignas(64) uint32_t cell[laneCount];
-        select(chosen, light << 2, Int(0u)).store(cell);
         Float keep, alias, own, other;
-        loadFour(lights.cells(), cell, keep, alias, own, other);
+        if (fields) {
+            keep = lookUp(fields[20], light), alias = lookUp(fields[21], light);
+            own = lookUp(fields[22], light), other = lookUp(fields[23], light);
+        } else {
+            alignas(64) uint32_t cell[laneCount];
+            select(chosen, light << 2, Int(0u)).store(cell);
+            loadFour(lights.cells(), cell, keep, alias, own, other);
+        }
         const Mask stays = ux < keep;
-        const Float left = min(select(stays, ux / keep, (ux - keep) / (Float(1.f) - keep)), Float(oneMinusEpsilon));
+        const Float left = min(select(stays, ux, ux - keep) / select(stays, keep, Float(1.f) - keep), Float(oneMinusEpsilon));
         light = select(chosen, select(stays, light, floatAsBits(alias)), light);
         pmf = select(chosen, select(stays, own, other), pmf);
         ux = select(chosen, left, ux);
@@ -124,10 +132,15 @@ CHIARO_LANE WideLightSample sampleTowards(const WideLights& lights, const WidePo
     }
     Mask asked = sky;
     if (any(chosen)) {
-        alignas(64) uint32_t record[laneCount];
-        select(chosen, light * Int(20u), Int(0u)).store(record);
-        Float w[20];
-        for (int i = 0; i < 20; i += 4) loadFour(lights.records() + i, record, w[i], w[i + 1], w[i + 2], w[i + 3]);
+        Float w[WideLights::members];
+        if (fields) {
+            for (uint32_t i = 0; i < WideLights::members; ++i) w[i] = lookUp(fields[i], light);
+        } else {
+            alignas(64) uint32_t record[laneCount];
+            select(chosen, light * Int(WideLights::members), Int(0u)).store(record);
+            for (uint32_t i = 0; i < WideLights::members; i += 4)
+                loadFour(lights.records() + i, record, w[i], w[i + 1], w[i + 2], w[i + 3]);
+        }
         const Int flags = floatAsBits(w[16]);
         const auto has = [&](uint32_t flag) { return chosen & ((flags & Int(flag)) != Int(0u)); };
         asked = asked | has(WideLight::ask);

@@ -32,7 +32,7 @@ WideLights::WideLights(const Scene& scene) : scene_(scene) {
         WideLight w{};
         put(w.p, t.p), put(w.e1, t.e1), put(w.e2, t.e2);
         w.inverse = 0.5f / t.area * (dot(cross(t.e1, t.e2), t.ng) < 0 ? -1.f : 1.f);
-        w.area = t.area;
+        w.density = t.area > 0 ? 1 / t.area : 0;
         w.error = t.error;
         put(w.emission, m.emission * (fault(Fault::lightPowerBias) ? 1.01f : 1.f));
         w.flags = t.doubleSided ? WideLight::doubleSided : 0u;
@@ -44,7 +44,7 @@ WideLights::WideLights(const Scene& scene) : scene_(scene) {
         WideLight w{};
         put(w.p, l.p), put(w.e1, l.axis), put(w.e2, l.intensity);
         w.inverse = l.range;
-        w.area = l.scale;
+        w.density = l.scale;
         w.emission[0] = l.offset;
         w.flags = WideLight::punctual | (l.kind == PunctualKind::directional ? WideLight::directional : 0u) |
                   (l.kind == PunctualKind::spot ? WideLight::spot : 0u) | (l.motion != Lights::none ? WideLight::ask : 0u);
@@ -57,6 +57,9 @@ WideLights::WideLights(const Scene& scene) : scene_(scene) {
         const uint32_t other = table.alias(i);
         for (const float f : {table.keep(i), std::bit_cast<float>(other), lights.pmf(i), lights.pmf(other)}) cells_.push_back(f);
     }
+    for (std::size_t i = 0; i < records_.size() && records_.size() <= few; ++i)
+        for (std::size_t m = 0; m < members + 4; ++m)
+            fields_[m][i] = m < members ? records()[i * members + m] : cells_.empty() ? 0 : cells_[4 * i + m - members];
 }
 
 void WideLights::choose(LightLanes& l, uint32_t lanes) const noexcept {

@@ -9,13 +9,14 @@ namespace chiaro {
 
 struct WideLight {
     enum Flag : uint32_t { doubleSided = 1, ask = 2, punctual = 4, directional = 8, spot = 16 };
-    float p[3];          // a corner, or the place of a punctual light
-    float e1[3];         // edge; axis of a punctual light, the way the light goes
-    float e2[3];         // edge; intensity of a punctual light
-    float inverse, area; // 1 over twice the area, negative where the front is the clockwise side; range and scale of a punctual light
-    float pmf;           // of choosing it by power, the environment's share taken off
-    float emission[3];   // cd/m2; the first: offset of a spot light
-    float error;         // of the corners, metres
+    float p[3];             // a corner, or the place of a punctual light
+    float e1[3];            // edge; axis of a punctual light, the way the light goes
+    float e2[3];            // edge; intensity of a punctual light
+    float inverse, density; // 1 over twice the area, negative where the front is the clockwise side, 1 over the area; range and scale of a
+                            // punctual light
+    float pmf;              // of choosing it by power, the environment's share taken off
+    float emission[3];      // cd/m2; the first: offset of a spot light
+    float error;            // of the corners, metres
     uint32_t flags;
     float unused[3];
 };
@@ -39,6 +40,9 @@ public:
     const float* records() const noexcept { return records_.empty() ? nullptr : records_[0].p; }
     const float* cells() const noexcept { return cells_.data(); }
     uint32_t finite() const noexcept { return uint32_t(cells_.size() / 4); } // that can be chosen
+    // Where there are at most sixteen: the table by members, then that of the cells, each a register.
+    static constexpr uint32_t few = 16, members = 20;
+    const float (*fields() const noexcept)[few] { return records_.size() <= few ? fields_ : nullptr; }
     double edge() const noexcept { return edge_; } // the environment's share of all choices
     bool byTree() const noexcept { return tree_; }
     bool environment() const noexcept { return environment_; }
@@ -51,6 +55,7 @@ private:
     const Scene& scene_;
     std::vector<WideLight> records_;
     std::vector<float> cells_; // four a light: probability of staying, where to else, both pmfs
+    alignas(64) float fields_[members + 4][few] = {};
     double edge_ = 0;
     bool tree_ = false, environment_ = false;
 };

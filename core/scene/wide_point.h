@@ -115,9 +115,14 @@ CHIARO_LANE Mask widePoint(const WideTables& tables, const HitPacket& hits, Mask
         known = andNot(known, inInstance & (moves != Float(0.f)));
     }
     to.error = to.error * Float(gamma8);
-    const Float height = length(to.ng) / sqrt(max(lengthSquared(c.e1), max(lengthSquared(c.e2), lengthSquared(c.e2 - c.e1))));
-    const Mask edge = known & (min(u, min(v, Float(1.f) - u - v)) * height < Float(2.f) * to.error);
-    if (any(edge)) {
+    // At an edge? First by squares, with room for rounding: no root, no quotient.
+    const Float shortest = min(u, min(v, Float(1.f) - u - v)),
+                longest = max(lengthSquared(c.e1), max(lengthSquared(c.e2), lengthSquared(c.e2 - c.e1)));
+    const Mask near =
+        known & ((shortest <= Float(0.f)) | (sqr(shortest) * lengthSquared(to.ng) < Float(4.1f) * (to.error * to.error) * longest));
+    if (any(near)) {
+        const Float height = length(to.ng) / sqrt(longest);
+        const Mask edge = near & (shortest * height < Float(2.f) * to.error);
         const Vec3w way = c.e1 * (Float(1 / 3.f) - u) + c.e2 * (Float(1 / 3.f) - v);
         const Float far = length(way), share = min(Float(1.f), Float(6.f) * to.error / height);
         const Vec3w pulled = to.p + way * min(share, Float(4.f) * to.error / far);

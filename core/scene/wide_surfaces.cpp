@@ -16,6 +16,22 @@ bool alike(const std::vector<Vec3>& normals) noexcept {
     return true;
 }
 
+// Are the normals at the corners that of the triangle, or its opposite?
+bool asFlat(const Geometry& g, std::span<const uint32_t, 3> corner) noexcept {
+    const Vec3d a = cast<double>(g.positions[corner[0]]),
+                n = cross(cast<double>(g.positions[corner[1]]) - a, cast<double>(g.positions[corner[2]]) - a);
+    const double l = length(n);
+    if (!(l > 0)) return false;
+    double sides = 0;
+    for (const uint32_t c : corner) {
+        const Vec3d m = normalize(cast<double>(g.normals[c]));
+        const double side = dot(m, n) < 0 ? -1 : 1;
+        if (!(lengthSquared(m - n * (side / l)) < 1e-13)) return false;
+        sides += side;
+    }
+    return std::fabs(sides) == 3;
+}
+
 struct Code {
     uint32_t x, y;
 };
@@ -69,9 +85,10 @@ WideSurfaces::WideSurfaces(const Scene& scene) {
             put(t.a, g.positions[corner[0]]);
             put(t.b, g.positions[corner[1]]);
             put(t.c, g.positions[corner[2]]);
-            t.material = g.material | (g.normals.empty() ? 0 : smoothBit);
+            const bool smooth = !g.normals.empty() && !asFlat(g, corner);
+            t.material = g.material | (smooth ? smoothBit : 0u);
             t.light = shines[k] ? askLight : g.firstLight == Lights::none ? none : g.firstLight + i;
-            if (!g.normals.empty()) encode(g.normals[corner[0]], g.normals[corner[1]], g.normals[corner[2]], t.normals);
+            if (smooth) encode(g.normals[corner[0]], g.normals[corner[1]], g.normals[corner[2]], t.normals);
         }
     }
 }

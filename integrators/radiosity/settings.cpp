@@ -53,8 +53,18 @@ void tell(const Work& work, const Patches& patches, const PatchSettings& p, cons
     if (out.rays > 0) text += fmt::format(", {} rays", out.rays);
     work.notes.tell("radiosity", text + fmt::format(", {:.1f} MB", double(out.bytes) / 1e6));
     if (!out.rowSums.empty()) {
-        const auto [least, most] = std::minmax_element(out.rowSums.begin(), out.rowSums.end());
-        work.notes.tell("radiosity", fmt::format("form factors of a patch add up to {:.4f} to {:.4f} (closed: 1)", *least, *most));
+        float least = infinity, most = 0;
+        std::size_t dark = 0; // below or inside of something
+        for (std::size_t i = 0; i < patches.size(); ++i) {
+            if (patches[i].open < 1 / 64.f) {
+                ++dark;
+                continue;
+            }
+            least = min(least, out.rowSums[i]);
+            most = max(most, out.rowSums[i]);
+        }
+        work.notes.tell("radiosity", fmt::format("form factors of a patch add up to {:.4f} to {:.4f} (closed: 1){}", min(least, most), most,
+                                                 dark ? fmt::format("; {} patches lie covered and dark", dark) : ""));
     }
     if (out.residuals.size() > 1 && solver != Solver::shoot) {
         std::string series;

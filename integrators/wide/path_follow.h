@@ -12,8 +12,9 @@ public:
         : paths_(paths), scene_(paths.scene()), settings_(paths.settings()),
           tables_{paths.surfaces().firsts(), reinterpret_cast<const float*>(paths.surfaces().triangles()),
                   reinterpret_cast<const float*>(paths.surfaces().instances())},
-          materials_(reinterpret_cast<const float*>(paths.materials().records())), maxDepth_(maxDepth), samples_(samples), stream_(stream) {
-    }
+          materials_(reinterpret_cast<const float*>(paths.materials().records())), maxDepth_(maxDepth),
+          needs_{paths.lights().byTree(), paths.materials().volumes()},
+          oneLight_(paths.lights().finite() == 1 && !paths.lights().environment()), samples_(samples), stream_(stream) {}
     void follow(StartSource& source) noexcept;
 
 private:
@@ -47,6 +48,8 @@ private:
     const WideTables tables_;
     const float* const materials_;
     const uint32_t maxDepth_;
+    const PathPacket::Needs needs_;
+    const bool oneLight_; // nothing to choose
     SampleLanes& samples_;
     PathStream& stream_;
     ShadowQueue shadows_;
@@ -62,14 +65,9 @@ CHIARO_LANE void PathFollower::trace(const PathPacket& p, RayPacket& rays) noexc
     Float(0.f).store(rays.tnear), Float(infinity).store(rays.tfar), p.time.store(rays.time);
 }
 CHIARO_LANE void PathFollower::add(PathPacket& p, Mask m, const Rgbw& light) noexcept {
-    alignas(64) float value[3][laneCount];
     alignas(64) uint32_t slot[laneCount];
-    for (std::size_t c = 0; c < 3; ++c) light.c[c].store(value[c]);
     p.slot.store(slot);
-    for (uint32_t b = m.bits(); b; b &= b - 1) {
-        const auto k = uint32_t(__builtin_ctz(b));
-        for (int c = 0; c < 3; ++c) samples_.found[slot[k]][c] += value[c][k];
-    }
+    addTo(samples_.found, slot, m, light.c[0], light.c[1], light.c[2]);
 }
 void PathFollower::tell(const PathPacket& p, const HitPacket& hits) noexcept {
     trace(p, told_.rays);
@@ -92,8 +90,10 @@ void PathFollower::meet(PathPacket& p, const HitPacket& hits, Vertex& v) noexcep
     v.alone = andNot(v.hit, known) | has(WideMaterial::scalar);
     v.lanes = andNot(known, v.alone);
     v.lobes.lanes = v.lanes;
-    Float column;
-    loadFour(materials_ + 16, record, v.emission.c[0], v.emission.c[1], v.emission.c[2], column);
+    Float column(0.f);
+    v.emission = Rgbw(Float(0.f));
+    if (any(has(WideMaterial::emits | WideMaterial::lobes)))
+        loadFour(materials_ + 16, record, v.emission.c[0], v.emission.c[1], v.emission.c[2], column);
     v.column = floatAsBits(column);
     const Mask absorbed = v.hit & (((p.medium & Int(VertexLanes::absorbs)) != Int(0u)) | v.alone |
                                    ((p.medium == Int(0u)) & has(WideMaterial::absorbs) & (dot(v.at.ng, p.d) > Float(0.f))));
@@ -126,9 +126,9 @@ void PathFollower::find(PathPacket& p, Mask m, const HitPacket& hits, Vertex& v)
         const Mask bothSides = (v.flags & Int(WideMaterial::doubleSided)) != Int(0u);
         found = found & ((cosine > Float(0.f)) | (bothSides & (cosine < Float(0.f))));
         const Int record = v.at.light * Int(20u);
-        const Float area = gather(lights.records() + 10, record, found), pmf = gather(lights.records() + 11, record, found);
-        const Float pdf = pmf * areaToSolidAngle(Float(1.f) / area, lengthSquared(v.at.p - p.from), cosine);
-        lightPdf = select(found & (area > Float(0.f)), fault(Fault::misOtherMeasure) ? pmf / area : pdf, Float(0.f));
+        const Float density = gather(lights.records() + 10, record, found), pmf = gather(lights.records() + 11, record, found);
+        const Float pdf = pmf * areaToSolidAngle(density, lengthSquared(v.at.p - p.from), cosine);
+        lightPdf = select(found, fault(Fault::misOtherMeasure) ? pmf * density : pdf, Float(0.f));
     }
     if (any(asked)) {
         tell(p, hits);
@@ -187,13 +187,19 @@ Mask PathFollower::scatter(PathPacket& p, const Vertex& v, Mask m, const WidePic
     const Vec3w wi = v.frame.toWorld(s.wi);
     const Float side = dot(wi, v.ng);
     Mask alive = m & s.drawn & select(s.wi.z > Float(0.f), side > Float(0.f), side < Float(0.f));
-    const WideLobeValue value = v.lobes.evaluate(s.wi);
-    alive = alive & (s.delta | (value.pdfW > Float(0.f)));
-    Rgbw weight = value.f * (abs(s.wi.z) / value.pdfW);
+    // Of a diffuse base alone: the cosine and its density cancel out.
+    Rgbw weight = v.lobes.diffuseColor * Float(fault(Fault::diffuseBias) ? 1.01f : 1.f);
+    Float pdfW = cosineHemispherePdfW(s.wi.z);
+    if (const Mask others = m & v.lobes.others(); any(others)) {
+        const WideLobeValue value = v.lobes.evaluate(s.wi);
+        weight = select(others, value.f * (abs(s.wi.z) / value.pdfW), weight);
+        pdfW = select(others, value.pdfW, pdfW);
+    }
+    alive = alive & (s.delta | (pdfW > Float(0.f)));
     if (any(s.delta)) weight = select(s.delta, s.weight * (Float(1.f) / s.pmf), weight);
     alive = alive & notBlack(weight);
     p.throughput = select(alive, p.throughput * weight, p.throughput);
-    p.pdfW = select(alive, select(s.delta, -s.pmf, value.pdfW), p.pdfW);
+    p.pdfW = select(alive, select(s.delta, -s.pmf, pdfW), p.pdfW);
     p.o = select(alive, offset(v.at.p, v.at.ng, v.at.error, wi), p.o);
     p.d = select(alive, wi, p.d);
     p.from = select(alive, v.at.p, p.from);
@@ -249,7 +255,8 @@ Mask PathFollower::alone(PathPacket& p, const Vertex& v, const WidePick& uLight,
     }
     const WideSampler sampler(p.keyLow, p.keyHigh, p.sample);
     const Int dimension = Int(startDimensions) + p.depth * Int(8u);
-    const WidePick uLight = sampler.get3D(dimension), uBsdf = sampler.get3D(dimension + Int(3u));
+    const Mask choices = v.alone | v.lobes.others();
+    const WidePick uLight = sampler.get3D(dimension, !oneLight_ || any(v.alone)), uBsdf = sampler.get3D(dimension + Int(3u), any(choices));
     Mask asks = more & v.lanes & v.lobes.smooth();
     if (fault(Fault::bounceDropped)) asks = asks & (p.depth != Int(1u));
     if (settings_.nee && any(asks)) direct(p, v, asks, uLight);
@@ -268,7 +275,7 @@ Mask PathFollower::alone(PathPacket& p, const Vertex& v, const WidePick& uLight,
         if (!fault(Fault::rouletteUnweighted)) p.throughput = select(risk, p.throughput * (Float(1.f) / survive), p.throughput);
     }
     p.depth = p.depth + Int(1u);
-    p.append(stream_, kept_, alive);
+    p.append(stream_, kept_, alive, needs_);
     kept_ += count(alive);
     while (shadows_.count >= laneCount) shadows_.flush(scene_, samples_);
 }
@@ -304,14 +311,14 @@ void PathFollower::follow(StartSource& source) noexcept {
         const uint32_t end = open ? under & ~(laneCount - 1) : under;
         for (uint32_t at = 0; at < end; at += laneCount) {
             const uint32_t n = end - at < laneCount ? end - at : laneCount;
-            p.load(stream_, at);
+            p.load(stream_, at, needs_);
             trace(p, rays);
             scene_.intersect(rays, hits, n, false);
             group(p, firstLanes(n), rays, hits, false);
         }
         if (end < under) {
-            p.load(stream_, end);
-            p.append(stream_, kept_, firstLanes(under - end));
+            p.load(stream_, end, needs_);
+            p.append(stream_, kept_, firstLanes(under - end), needs_);
             kept_ += under - end;
         }
         while (open && kept_ + laneCount <= length) {

@@ -12,21 +12,30 @@ struct PathPacket {
     Float time;
     Int slot, depth, medium, keyLow, keyHigh, sample;
 
-    template <class F, class I> CHIARO_LANE void each(F&& real, I&& whole) noexcept {
-        int k = 0;
-        for (Vec3w* v : {&o, &d, &from, &fromNg}) real(k++, v->x), real(k++, v->y), real(k++, v->z);
-        for (Float& c : throughput.c) real(k++, c);
-        real(k++, pdfW);
-        real(k++, time);
-        k = 0;
-        for (Int* i : {&slot, &depth, &medium, &keyLow, &keyHigh, &sample}) whole(k++, *i);
+    // What this scene needs of it: a light tree the normal, an inside that light crosses its material.
+    struct Needs {
+        bool normal = false, medium = false;
+    };
+    template <class F, class I> CHIARO_LANE void each(Needs needs, F&& real, I&& whole) noexcept {
+        real(0, o.x), real(1, o.y), real(2, o.z);
+        real(3, d.x), real(4, d.y), real(5, d.z);
+        real(6, from.x), real(7, from.y), real(8, from.z);
+        real(9, throughput.c[0]), real(10, throughput.c[1]), real(11, throughput.c[2]);
+        real(12, pdfW), real(13, time);
+        if (needs.normal) real(14, fromNg.x), real(15, fromNg.y), real(16, fromNg.z);
+        whole(0, slot), whole(1, depth), whole(2, keyLow), whole(3, keyHigh), whole(4, sample);
+        if (needs.medium) whole(5, medium);
     }
-    CHIARO_LANE void load(const PathStream& s, uint32_t at) noexcept {
-        each([&](int k, Float& v) { v = Float(s.f[k] + at); }, [&](int k, Int& v) { v = Int(s.i[k] + at); });
+    CHIARO_LANE void load(const PathStream& s, uint32_t at, Needs needs) noexcept {
+        fromNg = {Float(0.f), Float(0.f), Float(1.f)};
+        medium = Int(0u);
+        each(
+            needs, [&](int k, Float& v) { v = Float(s.f[k] + at); }, [&](int k, Int& v) { v = Int(s.i[k] + at); });
     }
     // The lanes of a mask, side by side. Fifteen more elements are written.
-    CHIARO_LANE void append(PathStream& s, uint32_t at, Mask m) noexcept {
-        each([&](int k, Float& v) { storePacked(s.f[k] + at, m, v); }, [&](int k, Int& v) { storePacked(s.i[k] + at, m, v); });
+    CHIARO_LANE void append(PathStream& s, uint32_t at, Mask m, Needs needs) noexcept {
+        each(
+            needs, [&](int k, Float& v) { storePacked(s.f[k] + at, m, v); }, [&](int k, Int& v) { storePacked(s.i[k] + at, m, v); });
     }
 };
 
@@ -38,9 +47,9 @@ struct ShadowQueue {
     uint32_t count = 0;
 
     CHIARO_LANE void append(Mask m, const Vec3w& o, const Vec3w& d, Float tfar, Float time, const Rgbw& brings, Int slots) noexcept {
-        int k = 0;
-        for (const Float& v : {o.x, o.y, o.z, d.x, d.y, d.z, tfar, time, brings.c[0], brings.c[1], brings.c[2]})
-            storePacked(f[k++] + count, m, v);
+        const auto put = [&](int k, Float v) { storePacked(f[k] + count, m, v); };
+        put(0, o.x), put(1, o.y), put(2, o.z), put(3, d.x), put(4, d.y), put(5, d.z), put(6, tfar), put(7, time);
+        put(8, brings.c[0]), put(9, brings.c[1]), put(10, brings.c[2]);
         storePacked(slot + count, m, slots);
         count += chiaro::CHIARO_ISA::count(m);
     }
@@ -48,15 +57,12 @@ struct ShadowQueue {
     CHIARO_LANE void flush(const Scene& scene, SampleLanes& to) noexcept {
         const uint32_t n = count < laneCount ? count : laneCount;
         RayPacket rays;
-        float* const at[] = {rays.ox, rays.oy, rays.oz, rays.dx, rays.dy, rays.dz, rays.tfar, rays.time};
-        for (int k = 0; k < 8; ++k) Float(f[k]).store(at[k]);
+        const auto take = [&](int k, float* ray) { Float(f[k]).store(ray); };
+        take(0, rays.ox), take(1, rays.oy), take(2, rays.oz), take(3, rays.dx), take(4, rays.dy), take(5, rays.dz);
+        take(6, rays.tfar), take(7, rays.time);
         Float(0.f).store(rays.tnear);
         const uint32_t stopped = scene.occluded(rays, n);
-        for (uint32_t b = ~stopped & ((1u << n) - 1); b; b &= b - 1) {
-            const auto k = uint32_t(__builtin_ctz(b));
-            float* const sum = to.direct[slot[k]];
-            for (int c = 0; c < 3; ++c) sum[c] += f[8 + c][k];
-        }
+        addTo(to.direct, slot, Mask(~stopped & ((1u << n) - 1)), Float(f[8]), Float(f[9]), Float(f[10]));
         count -= n;
         for (uint32_t first = 0; first < count; first += laneCount) {
             for (auto& values : f) Float(values + n + first).store(values + first);

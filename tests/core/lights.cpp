@@ -65,16 +65,14 @@ TEST_SUITE("lights") {
             constexpr int n = 200'000;
             std::vector<double> expected(lights.count()), observed(lights.count());
             double sum = 0;
-            for (uint32_t i = 0; i < lights.count(); ++i) {
-                sum += double(lights.pmf(i));
-                expected[i] = n * double(lights.pmf(i));
-            }
+            for (uint32_t i = 0; i < lights.count(); ++i) { sum += double(lights.pmf(i)); }
             CHECK(sum == doctest::Approx(1).epsilon(1e-5));
             // Every light is seen from within a shell of points; those that face away answer nothing, so that only delta lights and the sky
             // are counted against the rest together.
             stats::Random u(1);
             std::vector<double> kinds(3), share(3);
             const SurfacePoint at = receiver(*scene, {0.1, 0.2, 0.3}, {0, 0, 1});
+            for (uint32_t i = 0; i < lights.count(); ++i) expected[i] = n * double(lights.pmf(i, at));
             int empty = 0;
             for (int i = 0; i < n; ++i) {
                 const double pick = double(u.next() >> 32) * 0x1p-32;

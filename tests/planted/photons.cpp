@@ -77,7 +77,7 @@ void evenDensity(Trial& t) {
     constexpr int n = 1000;
     double sum = 0;
     for (uint32_t set = 0; set < t.spp(); ++set) {
-        std::vector<Photon> photons;
+        PhotonList photons;
         for (uint32_t i = 0; i < n; ++i) {
             Sampler u(set, SamplerKind::independent, Stream::light, i, 0);
             const Point2 p = u.get2D();

@@ -27,11 +27,11 @@ double drawnArea(const Scene& scene) {
         }
     return sum;
 }
-// Fronts only: backs repeat them.
+// Fronts only: backs repeat them. Of all their polygons, open or not.
 double frontArea(const Patches& p) {
     double sum = 0;
     for (uint32_t i = 0; i < p.size(); ++i)
-        if (p[i].other == ~0u || p[i].other > i) sum += double(p[i].area);
+        if (p[i].other == ~0u || p[i].other > i) sum += double(p[i].area) / double(p[i].open);
     return sum;
 }
 

@@ -46,8 +46,8 @@ Photon photonAt(const PathClasses& classes, const Vec3& p, float flux, const Vec
     return {p, Spectrum(flux), packDirection(wi), classes.light(LightKind::area), packNormal(normal)};
 }
 // Illuminance 1 on the square [-1, 1]^2, by independent uniform photons.
-std::vector<Photon> uniform(const Floor& floor, int n, uint64_t seed) {
-    std::vector<Photon> photons;
+PhotonList uniform(const Floor& floor, int n, uint64_t seed) {
+    PhotonList photons;
     for (int i = 0; i < n; ++i) {
         Sampler u(seed, SamplerKind::independent, Stream::light, uint64_t(i), 0);
         const Point2 p = u.get2D();
@@ -57,7 +57,7 @@ std::vector<Photon> uniform(const Floor& floor, int n, uint64_t seed) {
 }
 // Illuminance e(x, z), by a fine lattice of photons with a share of the flux each: no noise.
 template <class E> PhotonMap lattice(const Floor& floor, double half, int n, float radius, PhotonKernel kernel, E e) {
-    std::vector<Photon> photons;
+    PhotonList photons;
     const double cell = 2 * half / n;
     for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j) {

@@ -28,7 +28,7 @@ uint32_t numberOf(const Photon& photon) { return uint32_t(photon.flux[0]); }
 
 struct Cloud {
     std::string name;
-    std::vector<Photon> photons;
+    PhotonList photons;
     float cell;
 };
 std::vector<Cloud> clouds() {

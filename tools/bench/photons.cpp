@@ -1,4 +1,6 @@
 // Photons: how many paths a second leave the lights, how fast what they left is sorted, and how fast it is found again.
+#include "core/scene/accel.h"
+#include "core/scene/ray_record.h"
 #include "integrators/photon_trace.h"
 #include "tools/bench/rays.h"
 #include <array>
@@ -37,10 +39,78 @@ double gatherAll(const Executor& run, const PhotonStore& store, float radius, co
     return double(points);
 }
 
+// Embree alone on the rays of a trace: by the calls that the trace made, and one by one.
+struct Alone {
+    double calls = 0, single = 0; // seconds
+};
+Alone replay(const Work& work, const RayRecord& record) {
+    std::vector<const RayBlock*> blocks;
+    for (int c = 0; c < rayCalls; ++c) blocks.insert(blocks.end(), record.blocks(RayCall(c)).begin(), record.blocks(RayCall(c)).end());
+    std::atomic<uint64_t> hits{0};
+    Alone seconds;
+    auto begin = Clock::now();
+    work.run.chunks(
+        blocks.size(), [&](uint64_t b) { hits += Accel::replay(*blocks[b]).hits; }, nullptr);
+    seconds.calls = secondsSince(begin);
+    begin = Clock::now();
+    const auto one = [&](uint64_t b) {
+        uint64_t found = 0;
+        for (const WideRays& w : blocks[b]->wide)
+            for (std::size_t k = 0; k < WideRays::size; ++k)
+                if (w.valid[k])
+                    found += bool(work.scene.intersect(
+                        Ray{{w.ox[k], w.oy[k], w.oz[k]}, w.tnear[k], {w.dx[k], w.dy[k], w.dz[k]}, w.tfar[k], work.shutter.open}));
+        hits += found;
+    };
+    work.run.chunks(blocks.size(), one, nullptr);
+    seconds.single = secondsSince(begin);
+    return seconds;
+}
+
 struct Cells {
     double paths = NAN, stored = NAN, rays = NAN, sorted = NAN, gathers = NAN, bytes = NAN, balance = NAN, spread = 0;
+    double wide = NAN, single = NAN;           // seconds of Embree alone over those of the trace
+    double manyTraced = NAN, manySorted = NAN; // seconds
 };
-std::optional<Cells> measure(const Work& work, Stopwatch& watch) {
+
+// Traces and replays in turns: whatever else the machine does hits both.
+void compareWithRays(const Work& work, const PhotonRequest& request, double seconds, Cells& cells) {
+    RayRecord record(1 << 24);
+    record.start();
+    (void)tracePhotons(work, request);
+    record.stop();
+    if (!record.whole() || record.rays() == 0) return;
+    std::vector<double> wide, single;
+    const auto begin = Clock::now();
+    do {
+        const auto start = Clock::now();
+        (void)tracePhotons(work, request);
+        const double traced = secondsSince(start);
+        const Alone alone = replay(work, record);
+        wide.push_back(alone.calls / traced);
+        single.push_back(alone.single / traced);
+    } while (secondsSince(begin) < seconds && !work.stop.requested());
+    cells.wide = median(wide);
+    cells.single = median(single);
+}
+
+// Ten million photons from nothing to a store that can be asked. False: neither time nor memory is there.
+bool makeMany(const Work& work, double pathsAPhoton, double secondsAPhoton, double left, Cells& cells) {
+    constexpr double many = 1e7, whileSorting = 80; // bytes a photon
+    if (many * secondsAPhoton > left || many * whileSorting > double(work.memoryLimit)) return false;
+    PhotonRequest request;
+    request.paths = uint64_t(std::ceil(many * pathsAPhoton));
+    auto begin = Clock::now();
+    TracedPhotons traced = tracePhotons(work, request);
+    cells.manyTraced = secondsSince(begin);
+    const float radius = gatherRadius(work.scene, traced.photons.size());
+    begin = Clock::now();
+    const PhotonStore store(work.run, std::move(traced.photons), radius);
+    cells.manySorted = secondsSince(begin);
+    return true;
+}
+
+std::optional<Cells> measure(const Work& work, Stopwatch& watch, double share) {
     Cells cells;
     PhotonRequest request;
     request.paths = pathsABatch;
@@ -51,12 +121,14 @@ std::optional<Cells> measure(const Work& work, Stopwatch& watch) {
         return double(traced.statistics.paths);
     });
     if (!paths) return {};
-    const PhotonStatistics& s = traced.statistics;
+    const PhotonStatistics s = traced.statistics;
     cells.paths = paths->perSecond;
     cells.spread = paths->spread;
     cells.stored = paths->perSecond * double(s.stored) / double(s.paths);
     cells.rays = paths->perSecond * double(s.rays) / double(s.paths);
     cells.balance = s.emitted > 0 ? (s.absorbed + s.escaped + s.ended) / s.emitted : NAN;
+    compareWithRays(work, request, share / 4, cells);
+    if (work.stop.requested()) return {};
     if (traced.photons.empty()) return cells;
     const float radius = gatherRadius(work.scene, traced.photons.size());
     PhotonStore store;
@@ -84,9 +156,14 @@ Table photonsSuite(const Request& request) {
                             {"gathers", "M/s"},
                             {"bytes", "a photon"},
                             {"flux", "told / emitted"},
-                            {"growth", "of 1 thread"}},
+                            {"growth", "of 1 thread"},
+                            {"of rays", "16 wide"},
+                            {"of rays", "single"},
+                            {"10 M", "s traced"},
+                            {"10 M", "s sorted"}},
                 .rows = {},
-                .notes = {"sorted: with the copy of the list that is sorted"}};
+                .notes = {"sorted: with the copy of the list that is sorted",
+                          "of rays: what Embree alone takes for the very rays of the trace, over the trace, in turns"}};
     Stopwatch watch(request.seconds, request.scenes.size() * request.threads.size() * 3, request.runs, request.stop);
     const PathClasses classes;
     for (const BenchScene& s : request.scenes) {
@@ -96,8 +173,14 @@ Table photonsSuite(const Request& request) {
             const Executor run(threads);
             const Work work{*s.scene, classes,      s.view.shutter,   request.seed,  SamplerKind::sobol,
                             run,      request.stop, request.progress, request.notes, request.memoryLimit};
-            const auto c = measure(work, watch);
-            if (!c) {
+            auto c = measure(work, watch, request.seconds / double(request.scenes.size() * request.threads.size()));
+            if (c && threads == request.threads.back() && c->stored > 0) {
+                request.progress.phase(fmt::format("ten million photons {}", s.name));
+                if (!makeMany(work, c->paths / c->stored, 1.5 / c->stored + 1.5 / c->sorted,
+                              std::max(0.0, watch.left()) + request.seconds / 4, *c))
+                    table.notes.push_back(fmt::format("{}: ten million photons want more time or memory: --time 1m", s.name));
+            }
+            if (!c || request.stop.requested()) {
                 table.stopped = true;
                 return table;
             }
@@ -107,7 +190,7 @@ Table photonsSuite(const Request& request) {
                                   threads,
                                   c->spread,
                                   {c->paths * 1e-6, c->stored * 1e-6, c->rays * 1e-6, c->sorted * 1e-6, c->gathers * 1e-6, c->bytes,
-                                   c->balance, c->paths / first}});
+                                   c->balance, c->paths / first, c->wide, c->single, c->manyTraced, c->manySorted}});
         }
     }
     return table;

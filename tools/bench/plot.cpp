@@ -10,8 +10,8 @@ namespace {
 constexpr double panelWidth = 400, panelHeight = 330;
 constexpr double left = 62, right = 14, top = 34, bottom = 46; // of a panel, beside what is drawn
 constexpr double legendLine = 20, legendEntry = 190;
-// Okabe and Ito (2008): told apart by every eye.
-constexpr std::array colors = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"};
+// Okabe and Ito (2008), told apart by every eye, and a grey.
+constexpr std::array colors = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#8C8C8C"};
 
 bool drawn(const std::pair<double, double>& p) { return std::isfinite(p.first) && std::isfinite(p.second) && p.first > 0 && p.second > 0; }
 
@@ -113,7 +113,8 @@ std::string svgPlot(const std::vector<Panel>& panels) {
     }
     for (std::size_t i = 0; i < names.size(); ++i) {
         const double x = left + legendEntry * double(i % columns), y = panelHeight + 12 + legendLine * double(i / columns);
-        s += line(x, y - 4, x + 22, y - 4, colorOf(names[i])) +
+        s += fmt::format("<line x1=\"{0:.1f}\" y1=\"{1:.1f}\" x2=\"{2:.1f}\" y2=\"{1:.1f}\" stroke=\"{3}\" stroke-width=\"1.8\"/>\n", x,
+                         y - 4, x + 22, colorOf(names[i])) +
              fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.5\" fill=\"{}\"/>\n", x + 11, y - 4, colorOf(names[i]));
         s += text(x + 28, y, "start", names[i]);
     }

@@ -63,7 +63,7 @@ Part partOf(std::string_view f) noexcept {
     if (has(f, {"Textures", "texture", "Scene::sample"})) return Part::textures;
     if (has(f, {"Accel", "RayPacket", "Scene::intersect", "Scene::occluded", "filterCutOut", "fillLanes", "fillAvx", "fillBaseline"}))
         return Part::packets;
-    if (has(f, {"Lights", "lights", "Light", "light", "Distribution", "Environment"})) return Part::lights;
+    if (has(f, {"Lights", "lights", "Light", "light", "Distribution", "Environment", "descend"})) return Part::lights;
     if (has(f, {"Sampler", "sobol", "Sobol", "shuffled"})) return Part::sampler;
     if (has(f, {"Bsdf", "shade", "Shade", "Lobe", "lobe", "microfacet", "resnel", "Scene::point", "Scene::flat", "Scene::attributes",
                 "urface", "Frame::", "warp"}))
@@ -110,7 +110,8 @@ TimeSplit Profile::split(unsigned threads) const {
     TimeSplit s;
     s.samples = std::min(taken.load(), mostSamples);
     if (s.samples == 0) return s;
-    const double working = std::min(1.0, impl_->worked / (threads * impl_->seconds)), each = working / double(s.samples);
+    s.idle = std::max(0.0, 1 - impl_->worked / (threads * impl_->seconds));
+    const double each = 1 / double(s.samples);
     const Symbols symbols;
     std::unordered_map<uintptr_t, uint64_t> counts;
     for (uint64_t i = 0; i < s.samples; ++i) ++counts[impl_->room[i]];
@@ -120,7 +121,6 @@ TimeSplit Profile::split(unsigned threads) const {
         s.share[std::size_t(part)] += each * double(count);
         s.functions[place.name] += each * double(count);
     }
-    s.share[std::size_t(Part::waiting)] += 1 - working;
     return s;
 }
 

@@ -19,8 +19,9 @@ std::string_view partName(Part) noexcept;
 Part partOf(std::string_view function) noexcept;
 
 struct TimeSplit {
-    std::array<double, partCount> share{};   // of all threads' time, together 1
+    std::array<double, partCount> share{};   // of the time that the processors worked for us, together 1
     std::map<std::string, double> functions; // the same, by function or library
+    double idle = 0;                         // of all threads' time: they had no work, or somebody else had the processor
     uint64_t samples = 0;
 };
 
@@ -30,7 +31,7 @@ public:
     ~Profile();
     void start(); // asks from here on
     void stop();
-    // threads: that could have worked in all that time; what they did not work they waited.
+    // threads: that could have worked in all that time.
     TimeSplit split(unsigned threads) const;
 
 private:

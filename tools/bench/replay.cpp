@@ -138,6 +138,40 @@ uint64_t countRays(Subject& subject, const Plan& plan) {
     return counting.rays();
 }
 
+// Render and replays in turns. False: stopped.
+bool time(const Job& job, Subject& subject, const Plan& plan, const RayRecord& record, std::span<const RayCall> present, double seconds,
+          const Request& request, Figures& f) {
+    const double each = seconds / (2 * request.runs), fixed = request.replaySeconds / request.runs;
+    std::vector<double> renders, ratios;
+    std::array<std::vector<double>, rayCalls> replays;
+    for (uint32_t r = 0; r < request.runs; ++r) {
+        renders.push_back(repeated(fixed > 0 ? fixed : each, [&] { return subject.render(plan); }));
+        double sum = 0;
+        for (const RayCall call : present) {
+            const double taken = repeated(fixed > 0 ? fixed : each / double(present.size()), [&] {
+                const auto begin = Clock::now();
+                replay(job.run, record.blocks(call), true);
+                return secondsSince(begin);
+            });
+            replays[std::size_t(call)].push_back(taken);
+            sum += taken;
+            if (job.stop.requested()) return false;
+        }
+        ratios.push_back(sum / renders.back());
+    }
+    for (const RayCall call : present) {
+        Figures::Class& one = f.classes[std::size_t(call)];
+        one.seconds = median(replays[std::size_t(call)]);
+        const auto begin = Clock::now();
+        replay(job.run, record.blocks(call), false);
+        one.reading = secondsSince(begin) / one.seconds;
+    }
+    f.render = median(renders);
+    f.ratio = median(ratios);
+    f.spread = spreadOf(ratios);
+    return true;
+}
+
 // Empty: stopped.
 std::optional<Figures> measure(const Job& job, const IntegratorChoice& choice, double seconds, const Request& request) {
     Subject subject(job, choice);
@@ -160,48 +194,18 @@ std::optional<Figures> measure(const Job& job, const IntegratorChoice& choice, d
     if (job.stop.requested()) return {};
     if (!f.whole || f.rays == 0) return f;
 
-    std::vector<int> present;
+    std::vector<RayCall> present;
     for (int c = 0; c < rayCalls; ++c) {
         const RayCall call{uint8_t(c)};
         f.classes[std::size_t(c)].asked = record.answers(call);
         if (record.blocks(call).empty()) continue;
-        present.push_back(c);
+        present.push_back(call);
         const RayAnswers told = replay(job.run, record.blocks(call), true); // and the caches are warm
         if (const RayAnswers& asked = record.answers(call); told != asked)
             f.wrong.push_back(fmt::format("{}: {} hits of {} rays in the render, {} of {} in the replay{}", rayCallName(call), asked.hits,
                                           asked.rays, told.hits, told.rays, told.hits == asked.hits ? ", other distances" : ""));
     }
-    const double each = seconds / (2 * request.runs);
-    const double ofClass = request.replaySeconds > 0 ? request.replaySeconds / request.runs : each / double(present.size());
-    std::vector<double> renders, ratios;
-    std::array<std::vector<double>, rayCalls> replays;
-    for (uint32_t r = 0; r < request.runs; ++r) {
-        renders.push_back(
-            repeated(request.replaySeconds > 0 ? request.replaySeconds / request.runs : each, [&] { return subject.render(plan); }));
-        double sum = 0;
-        for (const int c : present) {
-            const double taken = repeated(ofClass, [&] {
-                const auto begin = Clock::now();
-                replay(job.run, record.blocks(RayCall(c)), true);
-                return secondsSince(begin);
-            });
-            replays[std::size_t(c)].push_back(taken);
-            sum += taken;
-            if (job.stop.requested()) return {};
-        }
-        ratios.push_back(sum / renders.back());
-    }
-    for (const int c : present) {
-        Figures::Class& one = f.classes[std::size_t(c)];
-        one.seconds = median(replays[std::size_t(c)]);
-        const auto begin = Clock::now();
-        replay(job.run, record.blocks(RayCall(c)), false);
-        one.reading = secondsSince(begin) / one.seconds;
-    }
-    f.render = median(renders);
-    f.ratio = median(ratios);
-    f.spread = spreadOf(ratios);
-    return f;
+    return time(job, subject, plan, record, present, seconds, request, f) ? std::optional(f) : std::nullopt;
 }
 
 void addRows(Table& table, const std::string& scene, const std::string& name, unsigned threads, const Figures& f) {

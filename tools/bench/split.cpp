@@ -22,13 +22,16 @@ std::string costliest(const TimeSplit& split) {
 } // namespace
 
 Table splitSuite(const Request& request) {
-    Table table{.suite = "split",
-                .title = "where the threads of a render are, in % of their time",
-                .columns = {},
-                .rows = {},
-                .notes = {"trace: inside Embree; packets: our layout of its rays and hits; walk: the integrator's own loop, and what the "
-                          "compiler has put into it; waiting: for work. Asked by the processor's clock; asked: how often"}};
+    Table table{
+        .suite = "split",
+        .title = "where the threads of a render are, in % of the processor's time",
+        .columns = {},
+        .rows = {},
+        .notes = {"trace: inside Embree; packets: our layout of its rays and hits; walk: the integrator's own loop and all that the "
+                  "compiler has put into it; waiting: looking for work; idle: no work, or another program had the processor; "
+                  "asked: how often the processor's clock has asked"}};
     for (int p = 0; p < partCount; ++p) table.columns.push_back({std::string(partName(Part(p))), "%"});
+    table.columns.push_back({"idle", "% of threads"});
     table.columns.push_back({"asked", ""});
     const double seconds =
         request.seconds / double(std::max<std::size_t>(1, request.scenes.size() * request.integrators.size() * request.threads.size()));
@@ -53,6 +56,7 @@ Table splitSuite(const Request& request) {
                 const TimeSplit split = profile.split(threads);
                 Row row{s.name, nameOf(choice), threads, 0, {}};
                 for (const double share : split.share) row.cells.push_back(100 * share);
+                row.cells.push_back(100 * split.idle);
                 row.cells.push_back(double(split.samples));
                 table.rows.push_back(std::move(row));
                 table.notes.push_back(fmt::format("{} {} {}: {}", s.name, nameOf(choice), threads, costliest(split)));

@@ -44,15 +44,28 @@ template <class T> std::vector<T> tableAt(const std::vector<char>& bytes, std::s
     return all;
 }
 
-// "chiaro::(anonymous namespace)::TileLoop::run(chiaro::Rect)" -> "chiaro::TileLoop::run"
+// Up to the first parenthesis that is not inside template arguments.
+std::string_view withoutParameters(std::string_view name) {
+    int depth = 0;
+    for (std::size_t i = 0; i < name.size(); ++i) {
+        depth += name[i] == '<' ? 1 : name[i] == '>' ? -1 : 0;
+        if (name[i] == '(' && depth <= 0) return name.substr(0, i);
+    }
+    return name;
+}
+// "void chiaro::(anonymous namespace)::TileLoop::run<4>(chiaro::Rect)" -> "chiaro::TileLoop::run<4>". A loop that was handed over by
+// reference is called by the function that wrote it.
 std::string plainName(const char* mangled) {
     int status = 0;
     char* const readable = abi::__cxa_demangle(mangled, nullptr, nullptr, &status);
     std::string name = status == 0 && readable ? readable : mangled;
     std::free(readable);
-    constexpr std::string_view anonymous = "(anonymous namespace)::";
+    constexpr std::string_view anonymous = "(anonymous namespace)::", handed = "::FunctionRef<";
     for (std::size_t at; (at = name.find(anonymous)) != std::string::npos;) name.erase(at, anonymous.size());
-    return name.substr(0, name.find('('));
+    if (const std::size_t at = name.find(handed, name.find(handed) + 1); at != std::string::npos) name.erase(0, at + handed.size());
+    std::string_view plain = withoutParameters(name);
+    if (const std::size_t space = plain.substr(0, plain.find('<')).rfind(' '); space != plain.npos) plain.remove_prefix(space + 1);
+    return std::string(plain);
 }
 
 } // namespace

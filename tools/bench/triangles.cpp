@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
+#include <malloc.h>
 #include <numbers>
 
 namespace chiaro::bench {
@@ -67,15 +68,14 @@ SceneDesc stoneRoom(uint64_t triangles) {
     return s;
 }
 
-std::optional<std::vector<double>> measure(const Request& request, SceneDesc desc, const Executor& run, Stopwatch& watch, double& spread,
-                                           FunctionRef<void()> built) {
-    const std::size_t before = residentBytes();
-    const bool knowsPeak = resetPeak();
+// before: resident bytes without the stone; 0: unknown.
+std::optional<std::vector<double>> measure(const Request& request, SceneDesc desc, std::size_t before, const Executor& run,
+                                           Stopwatch& watch, double& spread, FunctionRef<void()> built) {
     const auto begin = Clock::now();
     const auto scene = Scene::compile(std::move(desc), request.notes, request.isa, &run);
     const double seconds = secondsSince(begin), n = double(scene->counts().triangles);
     built();
-    const double peak = knowsPeak && before > 0 ? double(peakBytes()) - double(before) : NAN;
+    const double peak = before > 0 ? double(peakBytes()) - double(before) : NAN;
     View view;
     view.width = request.width;
     view.height = request.height;
@@ -126,10 +126,12 @@ Table trianglesSuite(const Request& request) {
             }
             request.progress.phase(fmt::format("triangles {} {} thread{}", triangles, threads, threads == 1 ? "" : "s"));
             const Executor run(threads);
+            malloc_trim(0); // what the last stone has left counts for nobody
+            const std::size_t without = resetPeak() ? residentBytes() : 0;
             const auto begin = Clock::now();
             SceneDesc desc = stoneRoom(triangles);
             double spread = 0, built = 0;
-            auto cells = measure(request, std::move(desc), run, watch, spread, [&] { built = secondsSince(begin); });
+            auto cells = measure(request, std::move(desc), without, run, watch, spread, [&] { built = secondsSince(begin); });
             before = built;
             table.stopped = !cells;
             if (!cells) return table;

@@ -150,6 +150,16 @@ private:
     std::deque<Loaded> all_;
 };
 
+// What is being measured; nothing else, since a line now and then would be measured too.
+class Phases : public Progress {
+public:
+    explicit Phases(const Console& console) : console_(console) {}
+    void phase(std::string_view text) override { console_.phase("measure", std::string(text)); }
+
+private:
+    const Console& console_;
+};
+
 std::string cell(double v) {
     if (!std::isfinite(v)) return "-";
     const double size = std::abs(v);
@@ -227,7 +237,7 @@ int runBench(const Arguments& arguments) {
     console.phase("machine", machineName(s.threads.back(), s.isa.empty() ? bestIsa() : s.isa));
     StopToken stop;
     const StopOnSignal signals(stop);
-    ProgressBar progress(ProgressMode::automatic, s.quiet, infinity);
+    Phases progress(console);
     Scenes scenes(s, arguments, notes, console);
     Json all{{"version", version},
              {"commit", commit},
@@ -253,7 +263,6 @@ int runBench(const Arguments& arguments) {
         for (const std::string& name : scenesOf(s, *suite)) request.scenes.push_back(scenes.scene(name));
         console.warnings(notes);
         const bench::Table table = suite->run(request);
-        progress.clear();
         console.warnings(notes);
         failed = failed || table.failed;
         if (!s.plot.empty()) {

@@ -1,4 +1,5 @@
 #include "tools/cli/checkpointing.h"
+#include "tools/cli/report.h"
 #include "tools/cli/version.h"
 #include <algorithm>
 #include <array>
@@ -76,7 +77,7 @@ Arguments continued(const Arguments& typed, const CheckpointHead& head) {
     for (const auto& [name, values] : head.options)
         if (!typed.given(name) && findOption(*typed.command, name) && !(newBudget && among(budgets, name)) && !values.empty())
             all.set(name, values);
-    if (const std::string isa = valueOf(head.key, "isa"); !isa.empty() && !typed.given("isa")) all.set("isa", {isa});
+    if (const std::string isa = valueOf(head.key, "isa"); !isa.empty() && !all.given("isa") && isa != bestIsa()) all.set("isa", {isa});
     all.line = commandOf(typed, head);
     return all;
 }

@@ -1,6 +1,7 @@
 #include "tools/cli/compare_contest.h"
 #include "core/math/vec.h"
 #include "tools/cli/film_picture.h"
+#include "tools/cli/photon_output.h"
 #include "tools/cli/prepared_once.h"
 #include <algorithm>
 #include <cmath>
@@ -33,7 +34,8 @@ uint32_t nextLook(const Film& film, double noise) {
 
 Contestant::Contestant(IntegratorChoice c, PathClasses paths, const View& view, const PrepassChoice* before)
     : choice(std::move(c)), prepass(prepassFor(choice, before)), traits(traitsWith(choice, prepass)), name(nameWith(choice, prepass)),
-      file(fileName(choice, prepass) + ".exr"), classes(std::move(paths)), judged(view.crop.width(), view.crop.height()) {}
+      file(fileName(choice, prepass) + ".exr"), classes(std::move(paths)), photons(hasPhotons(choice, prepass)),
+      judged(view.crop.width(), view.crop.height()) {}
 
 double Contestant::seconds() const noexcept {
     double sum = 0;
@@ -51,7 +53,12 @@ double Contestant::spp() const noexcept {
     return sum;
 }
 FilmLayout Contestant::layout(const View& view) const {
-    return {.width = view.width, .height = view.height, .crop = view.crop, .layers = classes.layerNames(), .splats = traits.splats};
+    return {.width = view.width,
+            .height = view.height,
+            .crop = view.crop,
+            .layers = classes.layerNames(),
+            .splats = traits.splats,
+            .photons = photons};
 }
 
 double bytesNeeded(const std::vector<Contestant>& all, const View& view) {

@@ -38,6 +38,7 @@ struct Contestant {
     Traits traits;
     std::string name, file;     // "photon:count=2M", "photon-count-2M.exr"; "whitted + radiosity"
     PathClasses classes;        // rendered with
+    bool photons = false;       // has some, and its film keeps what lookups found
     int judgedLayer = -1;       // of the film, where the verdict is about one layer alone; -1: about all
     std::unique_ptr<Film> film; // all seeds merged; null: nothing yet
     std::vector<SeedRun> runs;

@@ -54,6 +54,35 @@ void addMaps(Entry& e, const Flip* flip, Stands& stands, bool covered = false) {
     stands.z.clear();
 }
 
+// What the density estimates found, from nothing to what all but a hundredth of the pixels stay below.
+void addPhotons(Entry& e, const Film& film) {
+    const Rect& r = film.layout().crop;
+    const auto add = [&](const char* name, const char* caption, float Gathered::*value) {
+        report::Map map{name, caption, {}, 0, 0, false};
+        for (uint32_t y = r.y0; y < r.y1; ++y)
+            for (uint32_t x = r.x0; x < r.x1; ++x) map.values.push_back(film.gathered({x, y}).*value);
+        std::vector<float> sorted = map.values;
+        const auto at = sorted.begin() + std::ptrdiff_t(sorted.size() * 99 / 100);
+        std::nth_element(sorted.begin(), at, sorted.end());
+        map.high = *at;
+        e.maps.push_back(std::move(map));
+    };
+    add("photon density", "photons per square metre where the first density estimate along the eye path was made", &Gathered::density);
+    add("photon radius", "metres that it gathered in", &Gathered::radius);
+    add("photon count", "photons that it found", &Gathered::count);
+}
+
+// The page has one scale for all maps of a name: the widest.
+void shareScales(std::vector<Entry>& entries) {
+    for (Entry& e : entries)
+        for (report::Map& map : e.maps) {
+            for (const Entry& other : entries)
+                for (const report::Map& m : other.maps)
+                    if (m.name == map.name) map.high = std::max(map.high, m.high);
+            if (!(map.high > map.low)) map.high = map.low + 1; // nothing was found
+        }
+}
+
 Entry entryOf(const CompareSettings& s, const Contestant& c, const Judged& judged, Stands& stands, const ErrorMeter* meter,
               const Executor& run) {
     Entry e;
@@ -68,6 +97,7 @@ Entry entryOf(const CompareSettings& s, const Contestant& c, const Judged& judge
     if (used) flip = flipOf(merged, used->reference());
     e.metrics = metricsOf(c, merged, used, flip ? &*flip : nullptr, run);
     addMaps(e, flip ? &*flip : nullptr, stands, c.judgedLayer >= 0);
+    if (c.film->layout().photons) addPhotons(e, *c.film);
     e.picture = imageOf(merged, c.name);
     const std::vector<std::string>& layers = c.film->layout().layers;
     for (std::size_t l = 0; l < layers.size(); ++l) e.layers.push_back(imageOf(judgedLayer(*c.film, int(l), layers[l]), layers[l]));
@@ -244,10 +274,12 @@ Told makeReport(const CompareSettings& s, const Comparison& c, const SceneContex
         told.stands.push_back({});
         told.stands.back().standing = report::Standing::reference;
     }
+    shareScales(r.entries);
     addSettings(r, s, c, context);
     addCurves(r, c);
     r.exposure = s.base.exposure ? *s.base.exposure : exposureFor(r.entries, r.reference, context);
     r.notes = notes.warnings();
+    for (const Diagnostics::Fact& f : notes.facts()) r.notes.push_back(fmt::format("{}: {}", f.subject, f.message));
     return told;
 }
 

@@ -42,13 +42,29 @@ constexpr auto topics = std::to_array<Topic>({
   billed to every integrator that uses it.
   `chiaro integrators` lists the pre-passes and who takes them.
 )"},
+    {"noise", R"(Noise
+  The line `done` gives two errors of the picture, and --noise P ends a render by the first of them.
+  noise  the average standard error of a pixel's luminance over the average luminance.
+  mean   the 95 % interval of the whole picture's mean luminance, relative, by Student's t.
+  Both come from how far every pixel moved when its samples doubled last. A scrambled sequence of samples is better than a random one, by
+  how much differs from pixel to pixel; the movements of the last two doublings say it: if they fall by q (in variance, 1/4 to 1/2), then
+  q / (1 - q) of the last one's variance is left. Between powers of two the error falls by the square root law. Each pixel gives one degree
+  of freedom; where a few pixels hold most of the error the interval is wider (Satterthwaite 1946). Where pixels share light paths or
+  photons, blocks of 8 x 8 pixels are looked at in their place.
+  --noise P looks at 16, 32, 64 ... samples a pixel, and there finds the number of samples at which the noise is below P percent with 95 %
+  confidence, its own uncertainty included: few looks, and never before 16 samples, so that luck at one of them does not end the render.
+  With --spp or --time too, the first limit reached ends it; alone it ends at 65536 samples at the latest.
+  What no sample has found yet (a caustic through glass, by path) no error can tell; and the error of a biased method is not noise: there
+  the line says that the interval is of the noise alone. `chiaro agree` and `chiaro compare` judge by independent pictures.
+  The layers error.R, error.G, error.B of an EXR come from the halves of the samples, and err on the safe side.
+)"},
     {"exit-codes", R"(Exit codes
   0    done, also when a budget ended the render
   1    warnings, under --strict
   2    a check failed
   3    not supported, or not comparable (a required extension, picture sizes)
   4    a file: missing, unreadable, malformed or unwritable
-  5    stopped early by Ctrl-C or SIGTERM; a usable result was written
+  5    stopped early by Ctrl-C or SIGTERM; a usable result and a checkpoint were written
   6    memory or disk
   64   usage: unknown command, option or value
   70   internal error
@@ -137,7 +153,7 @@ int runHelp(const Arguments& arguments) {
         names.emplace_back(t.name);
     }
     const std::string near = nearest(name, names);
-    throw Error(Exit::usage, fmt::format("no help on \"{}\"{}; topics: units, paths, prepass, exit-codes, scenes", name,
+    throw Error(Exit::usage, fmt::format("no help on \"{}\"{}; topics: units, paths, prepass, noise, exit-codes, scenes", name,
                                          near.empty() ? "" : fmt::format("; did you mean {}?", near)));
 }
 

@@ -4,6 +4,7 @@
 #include "tools/cli/console.h"
 #include "tools/cli/memory.h"
 #include "tools/cli/version.h"
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <fmt/format.h>
@@ -87,5 +88,6 @@ int guarded(const std::vector<std::string>& words) {
 int main(int argc, char** argv) {
     chiaro::cli::flushDenormals();
     chiaro::cli::exitOnOutOfMemory();
+    std::signal(SIGXFSZ, SIG_IGN); // a limit on file sizes is answered like a full disk: by an error, not by the end
     return chiaro::cli::guarded({argv + 1, argv + (argc > 0 ? argc : 1)});
 }

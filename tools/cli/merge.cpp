@@ -39,6 +39,11 @@ struct Part {
     CheckpointHead head;
     std::string range() const { return fmt::format("{}:{}", head.begin, head.done); }
     std::string named() const { return fmt::format("{} ({})", file.string(), range()); }
+    // Stopped before the end of its range.
+    bool unfinished() const {
+        const std::string asked = valueOf(head.key, "samples");
+        return asked.substr(std::min(asked.find(':'), asked.size() - 1) + 1) != std::to_string(head.done) && asked != "all";
+    }
     std::string finish() const {
         return fmt::format("chiaro render {} --resume {}", shellQuoted(valueOf(head.key, "scene")), shellQuoted(file.string()));
     }
@@ -88,8 +93,9 @@ std::vector<Part> readParts(const std::vector<std::string>& files, Diagnostics& 
             refuse(fmt::format("{} and {} overlap: samples {}:{} are in both. Leave one of them out", a.named(), b.named(), b.head.begin,
                                std::min(a.head.done, b.head.done)));
         if (b.head.begin > a.head.done)
-            refuse(fmt::format("samples {}:{} are missing between {} and {}. Render them: --sample-range {}:{}, or finish the first: {}",
-                               a.head.done, b.head.begin, a.named(), b.named(), a.head.done, b.head.begin, a.finish()));
+            refuse(fmt::format("samples {}:{} are missing between {} and {}. {}", a.head.done, b.head.begin, a.named(), b.named(),
+                               a.unfinished() ? "Finish the first: " + a.finish()
+                                              : fmt::format("Render them: --sample-range {}:{}", a.head.done, b.head.begin)));
     }
     return parts;
 }
@@ -141,8 +147,8 @@ void warnOf(const Checkpoint& all, Diagnostics& notes) {
     for (const std::string& w : all.warnings)
         if (w.find("non-finite samples dropped") == w.npos) notes.warn(w);
     if (const std::vector<DroppedSample> dropped = all.film->droppedSamples(); !dropped.empty())
-        notes.warn(fmt::format("{} non-finite samples dropped. Reproduce: {} --pixel {},{} --sample {}", all.film->dropped(), all.again,
-                               dropped[0].pixel.x, dropped[0].pixel.y, dropped[0].sample));
+        notes.warn(fmt::format("{} non-finite samples dropped. Reproduce: {} --pixel {},{} --sample {} --seed {}", all.film->dropped(),
+                               all.again, dropped[0].pixel.x, dropped[0].pixel.y, dropped[0].sample, valueOf(all.key, "seed")));
     const auto asked = all.options.find("spp");
     if (const uint32_t done = all.film->done(); asked != all.options.end() && parseCount(asked->second.back()) > done)
         notes.warn(fmt::format("--spp {} was asked for; the parts end at sample {}", asked->second.back(), done));
@@ -195,7 +201,6 @@ Parts
 
 int runMerge(const Arguments& a) {
     const MergeSettings s = readMerge(a);
-    const Console plain(s.quiet);
     Console console(s.quiet);
     Diagnostics notes;
     const DisplayTransform display(a.text("ocio"), a.text("view"));
@@ -213,6 +218,8 @@ int runMerge(const Arguments& a) {
     Checkpoint all = mergeAll(parts, s.memory);
     const Film& film = *all.film;
     warnOf(all, notes);
+    if (parts.back().unfinished())
+        notes.warn(fmt::format("{} was stopped before the end of its range. Finish it: {}", parts.back().named(), parts.back().finish()));
     const auto aov = all.options.find("aov");
     LayerChoice layers = a.given("aov")             ? readLayers(a.text("aov"))
                          : aov != all.options.end() ? readLayers(aov->second.back())

@@ -44,11 +44,10 @@ GlbShape pointsOf(std::span<const Photon> photons, std::size_t step) {
 
 } // namespace
 
-bool hasPhotons(const RenderSettings& s) {
-    if (photonsIn(s.integrator.entry->make(s.integrator.options))) return true;
-    const PrepassChoice* prepass = prepassFor(s.integrator, s.prepass.get());
-    return prepass && photonsIn(prepass->entry->make(prepass->options));
+bool hasPhotons(const IntegratorChoice& integrator, const PrepassChoice* prepass) {
+    return photonsIn(integrator.entry->make(integrator.options)) || (prepass && photonsIn(prepass->entry->make(prepass->options)));
 }
+bool hasPhotons(const RenderSettings& s) { return hasPhotons(s.integrator, prepassFor(s.integrator, s.prepass.get())); }
 
 void checkPhotons(const RenderSettings& s) {
     const bool map = !s.photonMap.empty();

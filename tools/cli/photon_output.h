@@ -8,7 +8,8 @@
 
 namespace chiaro::cli {
 
-bool hasPhotons(const RenderSettings&); // the integrator, or the pre-pass that it takes
+bool hasPhotons(const IntegratorChoice&, const PrepassChoice*); // the integrator, or the pre-pass that it takes
+bool hasPhotons(const RenderSettings&);
 // Throws Error(Exit::unsupported) where something of photons is asked for and there are none.
 void checkPhotons(const RenderSettings&);
 // Of the integrator, else of the pre-pass (null: none). More photons than a viewer shows well are thinned evenly, which the notes tell.

@@ -30,6 +30,7 @@ void writePictures(const PictureRequest& r, const Film& film, double exposure, M
             continue;
         }
         if (r.layers.cost) writeCostPictures(file, picture);
+        if (r.layers.photons) writePhotonPictures(file, picture);
         writePng(file, picture.window.width(), picture.window.height(), r.display.bytes(interleaved(film), exposure), picture.metadata,
                  r.display.srgb());
     }
@@ -38,8 +39,12 @@ void writePictures(const PictureRequest& r, const Film& film, double exposure, M
 std::vector<std::filesystem::path> costFilesOf(const LayerChoice& layers, std::span<const std::filesystem::path> files) {
     std::vector<std::filesystem::path> all;
     for (const std::filesystem::path& file : files)
-        if (layers.cost && !isExr(file))
-            for (const std::filesystem::path& cost : costFiles(file)) all.push_back(cost);
+        if (!isExr(file)) {
+            if (layers.cost)
+                for (const std::filesystem::path& cost : costFiles(file)) all.push_back(cost);
+            if (layers.photons)
+                for (const std::filesystem::path& photons : photonFiles(file)) all.push_back(photons);
+        }
     return all;
 }
 

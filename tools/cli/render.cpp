@@ -45,8 +45,8 @@ int exitCode(const RenderSettings& s, const RenderResult& result, const Diagnost
 }
 
 void tellResumed(const RenderSettings& s, const Checkpoint& c, const Console& console) {
-    console.phase("resume", fmt::format("{}: {} of {} to sample {}, {} so far", s.checkpoint.resume.string(), c.done - c.begin,
-                                        c.done - c.begin == 1 ? "sample" : "samples", c.done, duration(c.seconds)));
+    console.phase("resume", fmt::format("{}  samples {}:{}{}, {} so far", s.checkpoint.resume.string(), c.begin, c.done,
+                                        c.even ? "" : " and more in some pixels", duration(c.seconds)));
 }
 
 // What a resumed render has already; empty: it begins.
@@ -74,6 +74,7 @@ private:
     int finish(const Job&, const PreparedOnce&, const Film&, Keeper&, const Prepass*);
     void fill(const Film&);
     bool keep(Keeper&, const Film&, const Integrator&);
+    void writeOrKeep(const PictureRequest&, const Film&, Keeper&, const Integrator&);
 
     const RenderSettings& s_;
     const LoadedScene& loaded_;
@@ -84,6 +85,8 @@ private:
     Console& console_;
     FileKey key_;
     Rendered rendered_;
+    Exit keepFailed_ = Exit::file;
+    bool developed_ = false; // a checkpoint that needed no more samples
 };
 
 int Run::render(Earlier earlier) {
@@ -130,8 +133,10 @@ int Run::render(Earlier earlier) {
                               rendered_.result.seconds = rendered_.secondsBefore + spent();
                               keep(keeper, *film, integrator);
                           }};
+    const uint32_t before = earlier.checkpoint ? film->done() : 0;
     rendered_.result = chiaro::render(job, integrator, *film, budget, stop, keeping);
     progress.clear();
+    developed_ = earlier.checkpoint && film->done() == before && s_.checkpoint.file == s_.checkpoint.resume;
     rendered_.result.seconds += prepared + rendered_.secondsBefore;
     if (rendered_.result.ended == Ended::stopped && !anySample(*film)) {
         console_.line("stopped before the first sample was done; nothing written");
@@ -152,8 +157,23 @@ bool Run::keep(Keeper& keeper, const Film& film, const Integrator& integrator) {
     try {
         keeper.write(film, integrator, rendered_);
         return true;
-    } catch (const Error& e) { notes_.warn(e.what()); }
+    } catch (const Error& e) {
+        notes_.warn(e.what());
+        keepFailed_ = e.code;
+    }
+    console_.warnings(notes_);
     return false;
+}
+
+// Pictures that cannot be written do not cost the render.
+void Run::writeOrKeep(const PictureRequest& pictures, const Film& film, Keeper& keeper, const Integrator& integrator) {
+    try {
+        writePictures(pictures, film, rendered_.exposure, recipe(s_, loaded_, view_, display_, film, rendered_));
+    } catch (const Error& e) {
+        if (rendered_.checkpoint.empty() && !keep(keeper, film, integrator)) throw;
+        throw Error(e.code, fmt::format("{}. The render is kept: chiaro render {} --resume {}", e.what(), shellQuoted(s_.scene.operand),
+                                        shellQuoted(s_.checkpoint.file.string())));
+    }
 }
 
 // The checkpoint first: all else can be made from it.
@@ -161,17 +181,17 @@ int Run::finish(const Job& job, const PreparedOnce& integrator, const Film& film
     fill(film);
     warnDropped(s_, job, integrator.inner(), film);
     const bool stopped = rendered_.result.ended == Ended::stopped;
-    const bool wanted = s_.checkpoint.atEnd || stopped, kept = wanted && keep(keeper, film, integrator);
+    const bool wanted = (s_.checkpoint.atEnd && !developed_) || stopped, kept = wanted && keep(keeper, film, integrator);
     if (kept) rendered_.checkpoint = s_.checkpoint.file;
     const PictureRequest pictures{
         outputFiles(s_, rendered_.result.spp), s_.aov, display_, s_.exposure, keeper.centres().depth, keeper.centres().lamp};
     rendered_.automaticExposure = !s_.exposure;
     rendered_.exposure = exposureOf(pictures, film);
-    writePictures(pictures, film, rendered_.exposure, recipe(s_, loaded_, view_, display_, film, rendered_));
+    writeOrKeep(pictures, film, keeper, integrator);
     if (!s_.photonMap.empty()) writePhotonMap(s_, *loaded_.scene, integrator.inner(), field, notes_);
     console_.facts(notes_); // what was found while rendering
     console_.warnings(notes_);
-    const int code = wanted && !kept ? int(Exit::resources) : exitCode(s_, rendered_.result, notes_);
+    const int code = wanted && !kept ? int(keepFailed_) : exitCode(s_, rendered_.result, notes_);
     std::vector<std::filesystem::path> files = pictures.files;
     const std::vector<std::filesystem::path> costs = costFilesOf(s_.aov, files);
     for (const std::filesystem::path& file : costs) console_.phase("cost", fmt::format("{}  in false colour", file.string()));

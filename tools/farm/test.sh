@@ -15,14 +15,14 @@ clean() {
 trap clean EXIT
 trap 'exit 130' INT TERM
 scene=@cornell samples=320 tasks=5 victim=2
-options="--size 96x96 --seed 7 -i path:rr-depth=4"
+options="--size 160x160 --seed 7 -i path:rr-depth=4"
 
 # The program, which dies once: kill -9 in the middle of one part.
 cat >"$scratch/chiaro" <<EOF
 #!/bin/sh
 if [ "\${SLURM_ARRAY_TASK_ID:-}" = $victim ] && mkdir "$scratch/died" 2>/dev/null; then
     "$chiaro" "\$@" &
-    sleep 1
+    sleep 0.5
     kill -9 \$!
     exit 137
 fi

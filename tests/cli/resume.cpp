@@ -1,0 +1,280 @@
+// Renders that are interrupted and go on: the same bits as without, whatever stopped them, wherever it did, with any number of threads.
+#include "integrators/registry.h"
+#include "io/checkpoint.h"
+#include "scenes/builtin.h"
+#include "tests/cli/resume_kit.h"
+#include "tests/scene_kit.h"
+#include "tests/statistics.h"
+#include <sstream>
+#include <thread>
+
+using namespace chiaro;
+using namespace program;
+using resume::samePixels;
+
+namespace {
+
+std::string bytesOf(const Film& film) {
+    std::ostringstream out;
+    Writer writer(out);
+    film.save(writer);
+    return out.str();
+}
+
+// One run of a render; asks for a stop after so many microseconds (negative: never).
+class Run {
+public:
+    Run(const Scene& scene, const std::string& integrator, unsigned threads)
+        : choice_(chooseIntegrator(integrator)), bench_(scene, scene.cameras()[0], settings(threads)) {
+        integrator_ = choice_.entry->make(choice_.options);
+    }
+    std::unique_ptr<Film> begin(uint32_t at = 0) const {
+        FilmLayout layout = bench_.layout();
+        layout.splats = choice_.entry->traits(choice_.options).splats;
+        return std::make_unique<Film>(layout, at);
+    }
+    RenderResult render(Film& film, uint32_t end, int microseconds = -1, const std::string* state = nullptr) {
+        std::thread stopper;
+        Loaded loaded(*integrator_, state);
+        if (microseconds >= 0)
+            stopper = std::thread([&] {
+                std::this_thread::sleep_for(std::chrono::microseconds(microseconds));
+                bench_.stop.request();
+            });
+        const RenderResult result = chiaro::render(bench_.job, loaded, film, {end, infinity}, bench_.stop);
+        if (stopper.joinable()) stopper.join();
+        return result;
+    }
+    std::string state() const { return stateOf(*integrator_); }
+
+private:
+    // Prepares, then takes over what was kept.
+    class Loaded : public Integrator {
+    public:
+        Loaded(Integrator& inner, const std::string* state) : inner_(inner), state_(state) {}
+        void prepare(const Job& job) override {
+            inner_.prepare(job);
+            if (state_) loadState("test", *state_, job, inner_);
+        }
+        void render(const Job& job, const Pass& pass, Film& film) override { inner_.render(job, pass, film); }
+
+    private:
+        Integrator& inner_;
+        const std::string* state_;
+    };
+    static test::Settings settings(unsigned threads) {
+        test::Settings s{.width = 40, .height = 24};
+        s.threads = threads;
+        return s;
+    }
+    IntegratorChoice choice_;
+    test::Bench bench_;
+    std::unique_ptr<Integrator> integrator_;
+};
+
+// To a file and back, as the program does it.
+std::unique_ptr<Film> throughFile(const Folder& folder, const Film& film, std::string& state) {
+    Checkpoint c;
+    c.key = {{"scene", "@test"}};
+    c.depth.resize(film.layout().crop.area());
+    c.lamp.resize(film.layout().crop.area());
+    writeCheckpoint(folder / "a.chk", c, film, state);
+    Checkpoint back = readCheckpoint(folder / "a.chk");
+    state = back.state;
+    return std::move(back.film);
+}
+
+void checkInterrupted(const Scene& scene, const std::string& integrator, uint64_t seed) {
+    CAPTURE(integrator);
+    const Folder folder;
+    constexpr uint32_t samples = 13;
+    Run once(scene, integrator, 1);
+    const auto whole = once.begin();
+    const double seconds = once.render(*whole, samples).seconds;
+    stats::Random u(seed);
+    std::unique_ptr<Film> film;
+    std::string state;
+    int cuts = 0;
+    for (int i = 0; !film || film->done() < samples; ++i) {
+        Run run(scene, integrator, 1 + unsigned(u() * 3));
+        const bool resumed = film != nullptr;
+        if (!film) film = run.begin();
+        const bool stopped = i < 6; // the seventh goes to the end
+        const uint32_t end = i % 3 == 2 ? std::min(samples, film->done() + 1 + uint32_t(u() * 3)) : samples;
+        run.render(*film, end, stopped ? int(1e6 * seconds * double(u()) / 2) : -1, resumed ? &state : nullptr);
+        cuts += film->done() < samples;
+        state = run.state();
+        film = throughFile(folder, *film, state);
+    }
+    MESSAGE(integrator << " was cut " << cuts << " times");
+    CHECK(bytesOf(*film) == bytesOf(*whole));
+}
+
+int killsWanted() {
+    const char* asked = std::getenv("CHIARO_KILLS");
+    return asked ? std::atoi(asked) : 5;
+}
+
+} // namespace
+
+TEST_SUITE("resume") {
+
+    TEST_CASE("every integrator, cut at any moment, with any number of threads") {
+        const auto scene = test::compiled(findBuiltin("@cornell-spheres")->make());
+        uint64_t seed = 1;
+        for (const IntegratorEntry& e : integrators()) checkInterrupted(*scene, resume::small(e.name), ++seed);
+        for (const char* more :
+             {"sppm:count=2k,caustic-count=500,schedule=pixel", "whitted:aa=adaptive,aa-samples=12", "whitted:aa=jitter"})
+            checkInterrupted(*scene, more, ++seed);
+    }
+
+    TEST_CASE("kill -9 at random moments, then --resume: same pixels ($CHIARO_KILLS: how often, 5 without)") {
+        if (absent()) return;
+        const Folder folder;
+        const std::vector<std::string> scene = {"render", "@cornell-spheres", "--size", "64x40", "--split", "direct,indirect"};
+        auto words = scene;
+        words.insert(words.end(), {"--spp", "250", "-o", "whole.exr", "-q"});
+        const auto begun = std::chrono::steady_clock::now();
+        REQUIRE(run(folder, words).code == 0);
+        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+        stats::Random u(uint64_t(std::getenv("CHIARO_KILLS") ? time(nullptr) : 1));
+        const int wanted = killsWanted();
+        int kills = 0, resumed = 0;
+        for (int again = 0; kills < wanted && again < 20 * wanted; ++again) {
+            const bool there = fs::exists(folder / "cut.chk");
+            auto first = scene;
+            first.insert(first.end(), {"--spp", "250", "-o", "cut.exr", "-o", "cut.png", "--checkpoint-every", "20ms", "-q"});
+            const std::vector<std::string> next = {"render", "@cornell-spheres", "--resume", "cut.chk", "-q"};
+            Running running(folder, there ? next : first);
+            resumed += there;
+            usleep(useconds_t(1e6 * seconds * (0.05 + 0.5 * double(u()))));
+            running.send(SIGKILL);
+            const Outcome o = running.wait();
+            if (o.code == 0) { // it was faster: from the beginning, with what was killed on the way behind it
+                REQUIRE(samePixels(folder, "whole.exr", "cut.exr"));
+                fs::remove(folder / "cut.chk");
+                continue;
+            }
+            CHECK(o.code == 1000 + SIGKILL);
+            ++kills;
+            if (fs::exists(folder / "cut.chk")) CHECK_NOTHROW(readCheckpoint(folder / "cut.chk"));
+            if (fs::exists(folder / "cut.exr")) CHECK_NOTHROW(readPicture(folder / "cut.exr"));
+        }
+        MESSAGE(kills << " times killed, " << resumed << " times resumed");
+        CHECK(kills == wanted);
+        if (fs::exists(folder / "cut.chk")) REQUIRE(run(folder, {"render", "@cornell-spheres", "--resume", "cut.chk", "-q"}).code == 0);
+        CHECK(samePixels(folder, "whole.exr", "cut.exr"));
+        CHECK(resume::sameRecipe(readPicture(folder / "whole.exr"), readPicture(folder / "cut.exr")));
+        for (const auto& entry : fs::directory_iterator(folder.path()))
+            CHECK_MESSAGE(!contains(entry.path().filename().string(), ".tmp"), entry.path().string(), " was left behind");
+    }
+
+    TEST_CASE("Ctrl-C, then the command that is printed") {
+        if (absent()) return;
+        const Folder folder;
+        const std::vector<std::string> scene = {"render", "@cornell", "--size", "48x48", "--seed", "3", "--spp", "900", "-t", "1"};
+        auto whole = scene, cut = scene;
+        whole.insert(whole.end(), {"-o", "whole.exr", "-q"});
+        cut.insert(cut.end(), {"-o", "a cut.exr", "--progress", "json", "--checkpoint-every", "10m"});
+        REQUIRE(run(folder, whole).code == 0);
+        Running running(folder, cut);
+        REQUIRE(running.awaitStderr("{\"progress\""));
+        running.send(SIGTERM);
+        const Outcome o = running.wait();
+        CAPTURE(o.err);
+        if (o.code == 5) {
+            CHECK(contains(o.err, "/900 spp; wrote a cut.exr, a cut.chk. Continue: chiaro render @cornell --resume 'a cut.chk'"));
+            CHECK(samePixels(folder, "a cut.exr", "a cut.exr"));
+            const Outcome go = run(folder, {"render", "@cornell", "--resume", "a cut.chk", "-t", "2"});
+            CAPTURE(go.err);
+            CHECK(go.code == 0);
+            CHECK(contains(go.err, "resume   a cut.chk"));
+            CHECK(contains(go.err, "seed 3"));
+        }
+        CHECK(samePixels(folder, "whole.exr", "a cut.exr"));
+    }
+
+    TEST_CASE("a checkpoint goes on with other budgets and pictures, not with other settings") {
+        if (absent()) return;
+        const Folder folder;
+        const std::vector<std::string> common = {"render", "@cornell", "--size", "24x24", "-q"};
+        const auto with = [&](std::vector<std::string> more) {
+            auto words = common;
+            words.insert(words.end(), more.begin(), more.end());
+            return run(folder, words);
+        };
+        CHECK(with({"--spp", "8", "-o", "eight.exr", "-o", "some.chk"}).code == 0);
+        CHECK(with({"--spp", "20", "-o", "twenty.exr"}).code == 0);
+        CHECK(!fs::exists(folder / "twenty.chk")); // nothing interrupted it, nobody asked for one
+        const auto go = [&](std::vector<std::string> more) {
+            std::vector<std::string> words = {"render", "@cornell", "--resume", "some.chk"};
+            words.insert(words.end(), more.begin(), more.end());
+            return run(folder, words);
+        };
+        fs::remove(folder / "eight.exr");
+        const std::string kept = readAll(folder / "some.chk");
+        CHECK(go({"-q"}).code == 0); // nothing is left to do: the pictures again
+        CHECK(fs::exists(folder / "eight.exr"));
+        CHECK(readAll(folder / "some.chk") == kept);
+        struct Case {
+            std::vector<std::string> words;
+            const char* part;
+        };
+        for (const Case& c : std::vector<Case>{{{"--seed", "1"}, "some.chk: rendered with --seed 0, not 1"},
+                                               {{"--size", "25x24"}, "with --size 24x24, not 25x24"},
+                                               {{"-i", "ao"}, "with -i path, not ao"},
+                                               {{"--sampler", "independent"}, "with --sampler sobol, not independent"},
+                                               {{"--max-depth", "3"}, "with --max-depth unlimited, not 3"},
+                                               {{"--aov", "cost"}, "with --aov neither cost nor photons, not cost"},
+                                               {{"--split", "bounces"}, "with --split none, not bounces"},
+                                               {{"--camera", "auto"}, "with --camera \"main\""},
+                                               {{"--env", "white"}, "another scene"}}) {
+            const Outcome o = go(c.words);
+            CAPTURE(o.err);
+            CHECK(o.code == 3);
+            CHECK(contains(o.err, c.part));
+            CHECK(readAll(folder / "some.chk") == kept);
+        }
+        CHECK(contains(run(folder, {"render", "@furnace", "--resume", "some.chk"}).err, "another scene (@cornell"));
+        CHECK(go({"--spp", "20", "-o", "more.exr", "-q", "-t", "3"}).code == 0);
+        CHECK(samePixels(folder, "twenty.exr", "more.exr"));
+        CHECK(readCheckpointHead(folder / "some.chk").done == 20);
+    }
+
+    TEST_CASE("what is no checkpoint, or a damaged one, is one clear error") {
+        if (absent()) return;
+        const Folder folder;
+        CHECK(run(folder, {"render", "@cornell", "--size", "8x6", "--spp", "3", "-o", "a.chk", "-q"}).code == 0);
+        const std::string good = readAll(folder / "a.chk");
+        stats::Random u(5);
+        const auto code = [&](const std::string& bytes) {
+            folder.write("b.chk", bytes);
+            try {
+                readCheckpoint(folder / "b.chk");
+            } catch (const Error& e) {
+                CHECK(std::string(e.what()).find('\n') == std::string::npos);
+                return e.code;
+            }
+            return Exit::done;
+        };
+        CHECK(code(good) == Exit::done);
+        for (std::size_t length = 0; length < good.size(); length += 1 + length / 97) CHECK(code(good.substr(0, length)) == Exit::file);
+        for (int i = 0; i < 400; ++i) {
+            std::string bad = good;
+            bad[u.next() % bad.size()] ^= char(1 << (u.next() & 7));
+            CHECK(code(bad) == Exit::file);
+        }
+        CHECK(code(good + good.substr(21)) == Exit::file); // two in one
+        for (const char* text : {"", "no", "chiaro checkpoint 1\n", "chiaro solution 1\n"}) {
+            folder.write("b.chk", text);
+            const Outcome o = run(folder, {"render", "@cornell", "--resume", "b.chk"});
+            CAPTURE(o.err);
+            CHECK(o.code == 4);
+            CHECK(contains(o.err, "error: b.chk: "));
+        }
+        const Outcome near = run(folder, {"render", "@cornell", "--resume", "c.chk"});
+        CHECK(near.code == 4);
+        CHECK(contains(near.err, "no such file; similar here: "));
+    }
+
+} // TEST_SUITE

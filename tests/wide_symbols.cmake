@@ -1,0 +1,15 @@
+# Files that are compiled for one instruction set may bring no function into the program that others could be linked to: every function of
+# theirs is named for its set, or else the linker might choose it for machines that lack it. Called with NM, OBJECTS and ISA.
+foreach(object ${OBJECTS})
+  execute_process(COMMAND ${NM} -C --defined-only ${object} OUTPUT_VARIABLE symbols RESULT_VARIABLE failed)
+  if(failed)
+    message(FATAL_ERROR "cannot read ${object}")
+  endif()
+  string(REPLACE ";" "," symbols "${symbols}")
+  string(REPLACE "\n" ";" symbols "${symbols}")
+  foreach(symbol ${symbols})
+    if(symbol MATCHES " [TWVui] " AND NOT symbol MATCHES "DW\\.ref\\." AND NOT symbol MATCHES "[Aa]vx(2|512)" )
+      message(SEND_ERROR "${object}: ${symbol}")
+    endif()
+  endforeach()
+endforeach()
