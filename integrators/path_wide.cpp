@@ -20,7 +20,7 @@ bool onlyDepth(const PathClasses& classes) noexcept {
         if (classes.sorts(state)) return false;
         for (int kind = 0; kind < lightKindCount; ++kind)
             if (classes.reached(state, LightKind(kind)) != otherLayer) return false;
-        if (!classes.continues(state)) return depth >= classes.maxDepth();
+        if (!classes.continues(state)) return depth == classes.maxDepth();
         const PathState next = classes.eye(state, Event::DR);
         for (int event = 0; event < eventCount; ++event)
             if (classes.eye(state, Event(event)) != next) return false;

@@ -1,5 +1,7 @@
 #include "io/replace_file.h"
 #include <cerrno>
+#include <charconv>
+#include <csignal>
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -41,6 +43,27 @@ void syncFolder(const fs::path& folder) noexcept {
     close(handle);
 }
 
+// What the temporary files of this machine begin with; then comes the number of the process.
+std::string temporaryStem(const fs::path& place) {
+    char host[256] = {};
+    gethostname(host, sizeof host - 1);
+    return fmt::format(".{}.{}-", place.filename().string(), host);
+}
+
+// Of programs of this machine that were killed before they could remove or rename them.
+void removeLeftovers(const fs::path& place) {
+    const std::string stem = temporaryStem(place), ending = ".tmp";
+    std::error_code failed;
+    for (fs::directory_iterator i(folderOf(place), failed), end; !failed && i != end; i.increment(failed)) {
+        const std::string name = i->path().filename().string();
+        if (!name.starts_with(stem) || !name.ends_with(ending) || name.size() <= stem.size() + ending.size()) continue;
+        pid_t owner = 0;
+        const char *first = name.data() + stem.size(), *last = name.data() + name.size() - ending.size();
+        const auto [rest, bad] = std::from_chars(first, last, owner);
+        if (bad == std::errc() && rest == last && owner > 0 && kill(owner, 0) != 0 && errno == ESRCH) unlink(i->path().c_str());
+    }
+}
+
 bool isDevice(const fs::path& file) {
     std::error_code ignored;
     const fs::file_status s = fs::status(file, ignored);
@@ -50,7 +73,7 @@ bool isDevice(const fs::path& file) {
 } // namespace
 
 FileReplacement::FileReplacement(const fs::path& file, Trial) : file_(file), place_(target(file)) {
-    name_ = folderOf(place_) / fmt::format(".{}.{}.tmp", place_.filename().string(), getpid());
+    name_ = folderOf(place_) / fmt::format("{}{}.tmp", temporaryStem(place_), getpid());
     handle_ = open(folderOf(place_).c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666);
     if (handle_ >= 0) return;
     handle_ = open(name_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666); // file systems without nameless files
@@ -59,6 +82,7 @@ FileReplacement::FileReplacement(const fs::path& file, Trial) : file_(file), pla
 
 FileReplacement::FileReplacement(const fs::path& file) : FileReplacement(file, Trial{}) {
     if (handle_ < 0) fail(errno);
+    removeLeftovers(place_);
 }
 
 FileReplacement::~FileReplacement() {

@@ -113,8 +113,9 @@ public:
     // Standard error of mean(), per channel: |even - odd| / 2, pooled (root mean square) over the 8 x 8 block of the pixel. 0 with one half
     // only.
     std::vector<Spectrum> standardError() const;
-    // Relative error of the picture: the average standard error of a pixel's luminance over the average luminance. The average, not the
-    // root mean square: a few fireflies must not speak for all pixels. NaN while there is none.
+    // Relative error of the picture: the average standard error of a pixel's luminance over the average luminance. The average of blocks of
+    // 8 x 8 pixels, the root mean square within them: a few fireflies must not speak for all pixels, nor be overheard. NaN while there is
+    // none.
     double noise() const;
     double noiseBound() const; // what noise() stays below with 95 % confidence: it is an estimate itself
     // Mean luminance over the crop, its standard error, and the degrees of freedom of that error for Student's t.
@@ -145,20 +146,22 @@ private:
     struct Counts {
         uint32_t next = 0, kept[2] = {};
     };
-    // One standard error of every pixel's luminance, from one degree of freedom each, summed up over pixels and over blocks of them.
+    // One standard error d of every pixel's luminance, from one degree of freedom each, summed up over pixels and over blocks of them.
     struct Spread {
-        double light = 0; // of the picture: the sum of its luminances
-        double absolute = 0, squares = 0, fourths = 0, blockSquares = 0, blockFourths = 0;
+        double light = 0;                          // of the picture: the sum of its luminances
+        double pooled = 0, pooledVariance = 0;     // over blocks: pixels x root mean square of d; and the variance of that sum
+        double squares = 0, fourths = 0;           // over pixels
+        double blockSquares = 0, blockFourths = 0; // over blocks: of the sum of d
     };
     struct Growth {
         uint32_t samples = 0; // after doubling; 0: it never did
         Spread spread;
-        double absoluteBefore = 0, squaresBefore = 0; // of the doubling before it; 0: none
+        double pooledBefore = 0, squaresBefore = 0; // of the doubling before it; 0: none
     };
     struct Uncertainty { // of the picture as it stands
         Spread spread;
-        double absolute = 1, square = 1; // factors that bring it to the present number of samples
-        double moreThanPixels = 1;       // blockSquares / squares, where pixels share samples
+        double pooled = 1, square = 1; // factors that bring it to the present number of samples
+        double moreThanPixels = 1;     // blockSquares / squares, where pixels share samples
         double dof = 1;
     };
     std::size_t at(Pixel p) const noexcept { return std::size_t(p.y - layout_.crop.y0) * layout_.crop.width() + (p.x - layout_.crop.x0); }

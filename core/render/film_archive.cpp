@@ -89,7 +89,7 @@ void Film::save(Writer& to) const {
     to.array(droppedSamples());
     to.value(growth_.samples);
     to.value(growth_.spread);
-    to.value(growth_.absoluteBefore);
+    to.value(growth_.pooledBefore);
     to.value(growth_.squaresBefore);
     to.array(grown_);
     to.value(grownAt_);
@@ -125,7 +125,7 @@ std::unique_ptr<Film> Film::load(Reader& from, std::size_t memory) {
     film->dropped_ = from.array<DroppedSample>();
     film->growth_.samples = from.value<uint32_t>();
     film->growth_.spread = from.value<Spread>();
-    film->growth_.absoluteBefore = from.value<double>();
+    film->growth_.pooledBefore = from.value<double>();
     film->growth_.squaresBefore = from.value<double>();
     film->grown_ = from.array<float>();
     film->grownAt_ = from.value<uint32_t>();

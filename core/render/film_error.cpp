@@ -16,14 +16,12 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numbers>
 
 namespace chiaro {
 namespace {
 
-constexpr uint32_t block = 8;                                    // pixels over which the error is pooled
-constexpr double smoothest = 0.25, independent = 0.5;            // what is left of the variance when samples double
-const double absoluteOfNormal = std::sqrt(2 / std::numbers::pi); // E|X| of a normal deviate, in sigma
+constexpr uint32_t block = 8;                         // pixels over which the error is pooled
+constexpr double smoothest = 0.25, independent = 0.5; // what is left of the variance when samples double
 
 double effectiveNumber(double squares, double fourths, double most) noexcept {
     return fourths > 0 ? std::clamp(3 * squares * squares / fourths - 2, 1.0, std::max(1.0, most)) : std::max(1.0, most);
@@ -74,23 +72,32 @@ double Film::halfDeviation(Pixel p) const noexcept {
 
 // deviation(pixel, its luminance)
 template <class Deviation> Film::Spread Film::spread(Deviation&& deviation) const {
+    struct Block {
+        double pixels = 0, sum = 0, squares = 0, fourths = 0;
+    };
     const Rect& crop = layout_.crop;
     Spread s;
-    std::vector<double> row((crop.width() + block - 1) / block);
+    std::vector<Block> row((crop.width() + block - 1) / block);
     for (uint32_t y = crop.y0; y < crop.y1; ++y) {
         for (uint32_t x = crop.x0; x < crop.x1; ++x) {
             const double light = double(luminance(mean({x, y}))), d = deviation(Pixel{x, y}, light);
+            Block& b = row[(x - crop.x0) / block];
             s.light += light;
-            s.absolute += std::fabs(d);
-            s.squares += d * d;
-            s.fourths += d * d * d * d;
-            row[(x - crop.x0) / block] += d;
+            ++b.pixels;
+            b.sum += d;
+            b.squares += d * d;
+            b.fourths += sqr(d * d);
         }
         if ((y - crop.y0 + 1) % block && y + 1 != crop.y1) continue;
-        for (double& sum : row) {
-            s.blockSquares += sum * sum;
-            s.blockFourths += sqr(sum * sum);
-            sum = 0;
+        for (Block& b : row) {
+            s.pooled += std::sqrt(b.pixels * b.squares);
+            if (b.squares > 0) // of n x the root of the mean square: by what is seen of d^4, at least that of normal deviates
+                s.pooledVariance += std::max(b.squares / 2, (b.fourths - sqr(b.squares) / b.pixels) * b.pixels / (4 * b.squares));
+            s.squares += b.squares;
+            s.fourths += b.fourths;
+            s.blockSquares += sqr(b.sum);
+            s.blockFourths += sqr(sqr(b.sum));
+            b = {};
         }
     }
     return s;
@@ -112,7 +119,7 @@ void Film::grow() {
     });
     if (doubled) {
         const bool follows = growth_.samples == grownAt_;
-        growth_ = {n, s, follows ? growth_.spread.absolute : 0, follows ? growth_.spread.squares : 0};
+        growth_ = {n, s, follows ? growth_.spread.pooled : 0, follows ? growth_.spread.squares : 0};
     }
     grown_ = std::move(now);
     grownAt_ = n;
@@ -123,9 +130,9 @@ Film::Uncertainty Film::uncertainty() const {
     if (growth_.samples > 0) {
         e.spread = growth_.spread;
         const double since = double(growth_.samples) / std::max(growth_.samples, done_ - begin_);
-        const double q = ratio(e.spread.squares, growth_.squaresBefore), r = ratio(sqr(e.spread.absolute), sqr(growth_.absoluteBefore));
+        const double q = ratio(e.spread.squares, growth_.squaresBefore), r = ratio(sqr(e.spread.pooled), sqr(growth_.pooledBefore));
         e.square = q / (1 - q) * since;
-        e.absolute = std::sqrt(r / (1 - r) * since);
+        e.pooled = std::sqrt(r / (1 - r) * since);
     } else {
         e.spread = spread([this](Pixel p, double) { return halfDeviation(p); });
     }
@@ -153,16 +160,14 @@ Film::Mean Film::meanLuminance() const {
 double Film::noise() const {
     if (done_ - begin_ < 2) return std::nan("");
     const Uncertainty e = uncertainty();
-    return e.spread.absolute == 0 ? 0 : e.absolute * e.spread.absolute / absoluteOfNormal / e.spread.light;
+    return e.spread.pooled == 0 ? 0 : e.pooled * e.spread.pooled / e.spread.light;
 }
 
-// The sum of the |d| has the variance (1 - 2 / pi) of their squares' sum.
 double Film::noiseBound() const {
     if (done_ - begin_ < 2) return std::nan("");
     const Uncertainty e = uncertainty();
-    if (e.spread.absolute == 0) return 0;
-    const double own = std::sqrt((1 - sqr(absoluteOfNormal)) * e.spread.squares * e.moreThanPixels);
-    return e.absolute * (e.spread.absolute + student95(e.dof) * own) / absoluteOfNormal / e.spread.light;
+    const double own = std::sqrt(e.spread.pooledVariance * e.moreThanPixels);
+    return e.spread.pooled == 0 ? 0 : e.pooled * (e.spread.pooled + student95(e.dof) * own) / e.spread.light;
 }
 
 } // namespace chiaro

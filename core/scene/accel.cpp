@@ -269,7 +269,7 @@ namespace {
     constexpr float far = 1e18f;
     const auto copy = [](float* to, const float* from) { std::memcpy(to, from, width * sizeof(float)); };
     copy(q.org_x, r.ox), copy(q.org_y, r.oy), copy(q.org_z, r.oz), copy(q.tnear, r.tnear);
-    copy(q.dir_x, r.dx), copy(q.dir_y, r.dy), copy(q.dir_z, r.dz), copy(q.tfar, r.tfar);
+    copy(q.dir_x, r.dx), copy(q.dir_y, r.dy), copy(q.dir_z, r.dz);
     const float *const ox = r.ox, *const oy = r.oy, *const oz = r.oz, *const dx = r.dx, *const dy = r.dy, *const dz = r.dz,
                        *const tnear = r.tnear, *const tfar = r.tfar, *const time = r.time;
     for (uint32_t k = 0; k < width; ++k) {
@@ -279,6 +279,8 @@ namespace {
                           (tnear[k] <= tfar[k]) & (std::fabs(time[k]) < infinity) & (k < count);
         valid[k] = good ? -1 : 0;
     }
+    // Where a machine has no kernel for sixteen, Embree knows lanes that do not count by their empty interval alone.
+    for (uint32_t k = 0; k < width; ++k) q.tfar[k] = valid[k] ? tfar[k] : -infinity;
     for (uint32_t k = 0; k < width; ++k) q.time[k] = clock.share(time[k]);
     for (uint32_t k = 0; k < width; ++k) q.mask[k] = ~0u;
     for (uint32_t k = 0; k < width; ++k) q.id[k] = q.flags[k] = 0;

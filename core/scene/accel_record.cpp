@@ -35,6 +35,8 @@ void record(const Accel* accel, RayCall call, const RTCRay16& q, const RayPacket
     copy(w.ox, q.org_x), copy(w.oy, q.org_y), copy(w.oz, q.org_z), copy(w.tnear, q.tnear);
     copy(w.dx, q.dir_x), copy(w.dy, q.dir_y), copy(w.dz, q.dir_z), copy(w.time, q.time);
     copy(w.tfar, rays.tfar), copy(w.id, q.id), copy(w.valid, valid);
+    for (std::size_t k = 0; k < width; ++k)
+        if (valid[k] == 0) w.tfar[k] = -infinity; // as it was asked
     RayRecord::add(accel, call, w, told);
 }
 

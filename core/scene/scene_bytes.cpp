@@ -5,8 +5,8 @@ namespace chiaro {
 
 SceneForecast forecast(const SceneSizes& s) noexcept {
     // Bytes of Embree 3.13's hierarchies with the robust flag and the default quality, measured from 36 to 8 million triangles: 68 to 75 a
-    // triangle, 132 while it is built; 700 an instance.
-    constexpr std::size_t hierarchy = 75, building = 140, instance = 800, placement = 250, light = 200, lightBuilding = 350, index = 12;
+    // triangle, 132 while it is built; 700 an instance. Of light tables: 96 a triangle of one large lamp, 125 of many small ones.
+    constexpr std::size_t hierarchy = 75, building = 140, instance = 800, placement = 250, light = 140, lightBuilding = 200, index = 12;
     constexpr std::size_t sky = 32, skyBuilding = 48; // a texel: radiance and its table; what makes them
     SceneForecast f;
     f.kept.geometry = s.vertexBytes + s.triangles * index;

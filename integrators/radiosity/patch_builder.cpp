@@ -31,7 +31,7 @@ private:
     void fill(uint32_t facet, float size, Patches&, Patches::Table&) const;
     Vec3 position(const Facet&, const std::array<Vec3, 4>& corner, const Cut&, uint32_t point) const;
     void measure(uint32_t facet, const Cut&, std::span<Patch> front, std::span<Patch> back) const;
-    void compactPoints(Patches&) const;
+    void compactPoints(Patches&, uint32_t points) const;
     void indexParts(Patches::Table&) const;
     void tell(const Patches&, const Patches::Table&, float size) const;
 
@@ -282,8 +282,8 @@ void PatchBuilder::layOut(float size, Patches& patches, Patches::Table& table) {
     patches.patches_.resize(cells);
 }
 
-void PatchBuilder::compactPoints(Patches& patches) const {
-    std::vector<uint32_t> number(std::size_t(numbers_->count()) * 2, ~0u);
+void PatchBuilder::compactPoints(Patches& patches, uint32_t points) const {
+    std::vector<uint32_t> number(points, ~0u);
     for (Patch& p : patches.patches_)
         for (uint32_t k = 0; k < p.corners; ++k) {
             uint32_t& n = number[p.vertex[k]];
@@ -312,10 +312,14 @@ void PatchBuilder::tell(const Patches& patches, const Patches::Table& table, flo
     const auto backs = std::count_if(patches.patches_.begin(), patches.patches_.end(), [](const Patch& p) { return p.other != ~0u; }) / 2;
     work_.notes.tell(
         "patches", fmt::format("{} of {:.3g} m at most, {} of them backs that light reaches", patches.size(), patches.longestEdge_, backs));
+    if (table.crossings.cut > 0)
+        work_.notes.tell(
+            "patches", fmt::format("{} cut where another surface runs through them, with light on both of its sides", table.crossings.cut));
     const auto whole = std::count_if(table.facets.begin(), table.facets.end(), [](const Patches::Table::Cells& c) {
         return c.kind != CutKind::bisected && c.segments[0] == 1 && c.segments[1] == 1;
     });
-    if (settings_.size == 0 && patches.size() > 1.5 * settings_.count)
+    const std::size_t uncut = table.crossings.cut > 0 ? table.crossings.root.size() : patches.size();
+    if (settings_.size == 0 && double(uncut) > 1.5 * settings_.count)
         work_.notes.tell("patches",
                          fmt::format("more than the {} asked for: {} of {} triangles and flat pairs of them are smaller than the "
                                      "{:.3g} m to which the large ones are cut, and stay whole",
@@ -343,13 +347,15 @@ Patches PatchBuilder::build() {
     layOut(size, patches, *table);
     work_.run.chunks(
         mesh_.facets.size(), [&](uint64_t i) { fill(uint32_t(i), size, patches, *table); }, nullptr);
-    compactPoints(patches);
     indexParts(*table);
+    patches.table_ = table;
+    patches.lit_ = work_.scene.lights().count() > 0;
     for (const Patch& p : patches.patches_)
         for (uint32_t k = 0; k < p.corners; ++k)
             patches.longestEdge_ = max(patches.longestEdge_, length(p.corner[(k + 1) % p.corners] - p.corner[k]));
-    patches.table_ = table;
-    patches.lit_ = work_.scene.lights().count() > 0;
+    uint32_t points = 2 * numbers_->count();
+    table->crossings = cutCrossed(work_, patches, patches.patches_, points);
+    compactPoints(patches, points);
     const std::vector<Open> open = openParts(work_, patches);
     for (std::size_t i = 0; i < open.size(); ++i) {
         Patch& p = patches.patches_[i];

@@ -1,5 +1,6 @@
 // From hits to patches: part, facet, cell, without a search.
 #pragma once
+#include "integrators/radiosity/patch_cross.h"
 #include "integrators/radiosity/patch_cut.h"
 #include "integrators/radiosity/patches.h"
 
@@ -17,6 +18,7 @@ struct Patches::Table {
     };
     std::vector<Cells> facets;
     std::vector<CutNode> nodes;
+    Crossings crossings;
     std::vector<uint32_t> facetOf;         // facet * 2 + which of its triangles; ~0: none
     std::vector<uint64_t> firstOfGeometry; // triangles before the part that draws a geometry of the top level
     struct OfInstance {

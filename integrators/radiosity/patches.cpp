@@ -26,6 +26,10 @@ std::optional<Patches::Place> Patches::at(const Hit& hit, bool front) const noex
     const uint32_t first = front ? f.front : f.back;
     if (first == ~0u) return {};
     const CellPlace p = table_->place(f, facet % 2, hit.u, hit.v);
+    if (const Crossings::Piece* piece = table_->crossings.find(f.front + p.cell, f.kind == CutKind::grid, p.s, p.t)) {
+        const Point2 in = within(*piece, p.s, p.t);
+        return front ? Place{piece->front, in.x, in.y} : Place{piece->back, in.y, in.x};
+    }
     return front ? Place{first + p.cell, p.s, p.t} : Place{first + p.cell, p.t, p.s}; // the back runs the other way around
 }
 
@@ -36,7 +40,11 @@ uint32_t Patches::seen(const Hit& hit, const Vec3& direction) const noexcept {
     bool front = dot(direction, f.normal) < 0;
     if (fault(Fault::reflectanceOfOtherSide) && f.back != ~0u) front = !front;
     const uint32_t first = front ? f.front : f.back;
-    return first == ~0u ? ~0u : first + table_->place(f, facet % 2, hit.u, hit.v).cell;
+    if (first == ~0u) return ~0u;
+    const CellPlace p = table_->place(f, facet % 2, hit.u, hit.v);
+    if (const Crossings::Piece* piece = table_->crossings.find(f.front + p.cell, f.kind == CutKind::grid, p.s, p.t))
+        return front ? piece->front : piece->back;
+    return first + p.cell;
 }
 
 Vec3 Patches::point(uint32_t patch, Point2 u) const noexcept { return PatchPlaces(patches_[patch]).at(u.x, u.y); }

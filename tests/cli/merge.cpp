@@ -18,6 +18,16 @@ Words joined(Words a, const Words& b) {
     return a;
 }
 
+// 0, some places between, `end`: so many ranges.
+std::vector<uint32_t> randomCuts(stats::Random& u, std::size_t ranges, uint32_t end) {
+    std::vector<uint32_t> cuts{0, end};
+    while (cuts.size() < ranges + 1)
+        if (const auto cut = uint32_t(1 + u.next() % (end - 1)); std::find(cuts.begin(), cuts.end(), cut) == cuts.end())
+            cuts.push_back(cut);
+    std::sort(cuts.begin(), cuts.end());
+    return cuts;
+}
+
 // A checkpoint with another word in its key: as another build, machine or setting would have written it.
 void rewrite(const fs::path& from, const fs::path& to, const std::string& name, const std::string& value) {
     Checkpoint c = readCheckpoint(from);
@@ -30,40 +40,63 @@ void rewrite(const fs::path& from, const fs::path& to, const std::string& name, 
 
 TEST_SUITE("merge") {
 
-    TEST_CASE("every integrator whose samples do not depend on earlier ones: four and seven ranges in any order") {
-        if (absent()) return;
+    TEST_CASE("every integrator whose samples do not depend on earlier ones: seven ranges in any order are the whole") {
         const Folder folder;
         stats::Random u(11);
         for (const IntegratorEntry& e : integrators()) {
             const std::string name = resume::small(e.name);
-            const Words common = {"render", "@cornell-spheres", "--size", "20x14", "-i", name, "-q"};
             CAPTURE(name);
-            REQUIRE(chooseIntegrator(name).entry->traits(chooseIntegrator(name).options).mergeable);
-            const bool first = e.name == integrators()[0].name;
-            REQUIRE(run(folder, joined(common, {"--spp", "17", "-o", "whole.exr", "--exposure", "1"})).code == 0);
-            for (const std::size_t count : {std::size_t(4), std::size_t(7)}) {
-                if (count == 7 && !first && e.name != "light") continue; // every range is a program that starts
-                std::vector<uint32_t> cuts{0, 17};
-                while (cuts.size() < count + 1)
-                    if (const auto cut = uint32_t(1 + u.next() % 16); std::find(cuts.begin(), cuts.end(), cut) == cuts.end())
-                        cuts.push_back(cut);
-                std::sort(cuts.begin(), cuts.end());
-                Words parts;
-                for (std::size_t i = 0; i < count; ++i) {
-                    parts.push_back("p" + std::to_string(i) + ".chk");
-                    const Outcome o =
-                        run(folder, joined(common, {"--sample-range", std::to_string(cuts[i]) + ":" + std::to_string(cuts[i + 1]), "-o",
-                                                    parts.back()}));
-                    CAPTURE(o.err);
-                    REQUIRE(o.code == 0);
-                }
-                for (std::size_t i = count; i > 1; --i) std::swap(parts[i - 1], parts[u.next() % i]);
-                const Outcome o = run(folder, joined(joined({"merge"}, parts), {"-o", "merged.exr", "--exposure", "1", "-q"}));
-                CAPTURE(o.err);
-                CHECK(o.code == 0);
-                CHECK(samePixels(folder, "whole.exr", "merged.exr"));
-                CHECK(resume::sameRecipe(readPicture(folder / "whole.exr"), readPicture(folder / "merged.exr")));
+            const IntegratorChoice choice = chooseIntegrator(name);
+            REQUIRE(choice.entry->traits(choice.options).mergeable);
+            const Scene& scene = resume::sceneFor(name);
+            resume::Run once(scene, name, 2);
+            const auto whole = once.begin();
+            once.render(*whole, 17);
+            const std::vector<uint32_t> cuts = randomCuts(u, 7, 17);
+            std::vector<std::unique_ptr<Film>> parts;
+            for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
+                resume::Run run(scene, name, 1 + unsigned(i % 3));
+                auto part = run.begin(cuts[i]);
+                run.render(*part, cuts[i + 1]);
+                std::string state = run.state();
+                parts.push_back(resume::throughFile(folder, *part, state));
             }
+            for (std::size_t i = parts.size(); i > 1; --i) std::swap(parts[i - 1], parts[u.next() % i]);
+            for (std::size_t i = 1; i < parts.size(); ++i) parts[0]->merge(*parts[i]);
+            CHECK(parts[0]->begin() == 0);
+            CHECK(parts[0]->done() == 17);
+            CHECK(parts[0]->even());
+            CHECK(test::samePicture(*parts[0], *whole));
+        }
+    }
+
+    TEST_CASE("chiaro merge: four and seven parts in any order give the pixels and the recipe of the render that was not cut") {
+        if (absent()) return;
+        const Folder folder;
+        stats::Random u(12);
+        struct Case {
+            const char* integrator;
+            std::size_t parts;
+        };
+        for (const Case& c : {Case{"path", 7}, {"light", 4}, {"sppm:count=2k,caustic-count=500", 4}}) {
+            const Words common = {"render", "@cornell-spheres", "--size", "20x14", "-i", c.integrator, "-q"};
+            CAPTURE(c.integrator);
+            REQUIRE(run(folder, joined(common, {"--spp", "17", "-o", "whole.exr", "--exposure", "1"})).code == 0);
+            const std::vector<uint32_t> cuts = randomCuts(u, c.parts, 17);
+            Words parts;
+            for (std::size_t i = 0; i < c.parts; ++i) {
+                parts.push_back("p" + std::to_string(i) + ".chk");
+                const std::string range = std::to_string(cuts[i]) + ":" + std::to_string(cuts[i + 1]);
+                const Outcome o = run(folder, joined(common, {"--sample-range", range, "-o", parts.back()}));
+                CAPTURE(o.err);
+                REQUIRE(o.code == 0);
+            }
+            for (std::size_t i = c.parts; i > 1; --i) std::swap(parts[i - 1], parts[u.next() % i]);
+            const Outcome o = run(folder, joined(joined({"merge"}, parts), {"-o", "merged.exr", "--exposure", "1", "-q"}));
+            CAPTURE(o.err);
+            CHECK(o.code == 0);
+            CHECK(samePixels(folder, "whole.exr", "merged.exr"));
+            CHECK(resume::sameRecipe(readPicture(folder / "whole.exr"), readPicture(folder / "merged.exr")));
         }
     }
 

@@ -1,91 +1,21 @@
 // Renders that are interrupted and go on: the same bits as without, whatever stopped them, wherever it did, with any number of threads.
 #include "integrators/registry.h"
 #include "io/checkpoint.h"
-#include "scenes/builtin.h"
 #include "tests/cli/resume_kit.h"
-#include "tests/scene_kit.h"
 #include "tests/statistics.h"
-#include <sstream>
-#include <thread>
 
 using namespace chiaro;
 using namespace program;
+using resume::bytesOf;
+using resume::Run;
 using resume::samePixels;
+using resume::throughFile;
 
 namespace {
 
-std::string bytesOf(const Film& film) {
-    std::ostringstream out;
-    Writer writer(out);
-    film.save(writer);
-    return out.str();
-}
-
-// One run of a render; asks for a stop after so many microseconds (negative: never).
-class Run {
-public:
-    Run(const Scene& scene, const std::string& integrator, unsigned threads)
-        : choice_(chooseIntegrator(integrator)), bench_(scene, scene.cameras()[0], settings(threads)) {
-        integrator_ = choice_.entry->make(choice_.options);
-    }
-    std::unique_ptr<Film> begin(uint32_t at = 0) const {
-        FilmLayout layout = bench_.layout();
-        layout.splats = choice_.entry->traits(choice_.options).splats;
-        return std::make_unique<Film>(layout, at);
-    }
-    RenderResult render(Film& film, uint32_t end, int microseconds = -1, const std::string* state = nullptr) {
-        std::thread stopper;
-        Loaded loaded(*integrator_, state);
-        if (microseconds >= 0)
-            stopper = std::thread([&] {
-                std::this_thread::sleep_for(std::chrono::microseconds(microseconds));
-                bench_.stop.request();
-            });
-        const RenderResult result = chiaro::render(bench_.job, loaded, film, {end, infinity}, bench_.stop);
-        if (stopper.joinable()) stopper.join();
-        return result;
-    }
-    std::string state() const { return stateOf(*integrator_); }
-
-private:
-    // Prepares, then takes over what was kept.
-    class Loaded : public Integrator {
-    public:
-        Loaded(Integrator& inner, const std::string* state) : inner_(inner), state_(state) {}
-        void prepare(const Job& job) override {
-            inner_.prepare(job);
-            if (state_) loadState("test", *state_, job, inner_);
-        }
-        void render(const Job& job, const Pass& pass, Film& film) override { inner_.render(job, pass, film); }
-
-    private:
-        Integrator& inner_;
-        const std::string* state_;
-    };
-    static test::Settings settings(unsigned threads) {
-        test::Settings s{.width = 40, .height = 24};
-        s.threads = threads;
-        return s;
-    }
-    IntegratorChoice choice_;
-    test::Bench bench_;
-    std::unique_ptr<Integrator> integrator_;
-};
-
-// To a file and back, as the program does it.
-std::unique_ptr<Film> throughFile(const Folder& folder, const Film& film, std::string& state) {
-    Checkpoint c;
-    c.key = {{"scene", "@test"}};
-    c.depth.resize(film.layout().crop.area());
-    c.lamp.resize(film.layout().crop.area());
-    writeCheckpoint(folder / "a.chk", c, film, state);
-    Checkpoint back = readCheckpoint(folder / "a.chk");
-    state = back.state;
-    return std::move(back.film);
-}
-
-void checkInterrupted(const Scene& scene, const std::string& integrator, uint64_t seed) {
+void checkInterrupted(const std::string& integrator, uint64_t seed) {
     CAPTURE(integrator);
+    const Scene& scene = resume::sceneFor(integrator);
     const Folder folder;
     constexpr uint32_t samples = 13;
     Run once(scene, integrator, 1);
@@ -120,18 +50,17 @@ int killsWanted() {
 TEST_SUITE("resume") {
 
     TEST_CASE("every integrator, cut at any moment, with any number of threads") {
-        const auto scene = test::compiled(findBuiltin("@cornell-spheres")->make());
         uint64_t seed = 1;
-        for (const IntegratorEntry& e : integrators()) checkInterrupted(*scene, resume::small(e.name), ++seed);
+        for (const IntegratorEntry& e : integrators()) checkInterrupted(resume::small(e.name), ++seed);
         for (const char* more :
              {"sppm:count=2k,caustic-count=500,schedule=pixel", "whitted:aa=adaptive,aa-samples=12", "whitted:aa=jitter"})
-            checkInterrupted(*scene, more, ++seed);
+            checkInterrupted(more, ++seed);
     }
 
     TEST_CASE("kill -9 at random moments, then --resume: same pixels ($CHIARO_KILLS: how often, 5 without)") {
         if (absent()) return;
         const Folder folder;
-        const std::vector<std::string> scene = {"render", "@cornell-spheres", "--size", "64x40", "--split", "direct,indirect"};
+        const std::vector<std::string> scene = {"render", "@cornell-spheres", "--size", "48x30", "--split", "direct,indirect"};
         auto words = scene;
         words.insert(words.end(), {"--spp", "250", "-o", "whole.exr", "-q"});
         const auto begun = std::chrono::steady_clock::now();
@@ -169,28 +98,29 @@ TEST_SUITE("resume") {
             CHECK_MESSAGE(!contains(entry.path().filename().string(), ".tmp"), entry.path().string(), " was left behind");
     }
 
-    TEST_CASE("Ctrl-C, then the command that is printed") {
+    TEST_CASE("SIGTERM, then the command that is printed") {
         if (absent()) return;
         const Folder folder;
-        const std::vector<std::string> scene = {"render", "@cornell", "--size", "48x48", "--seed", "3", "--spp", "900", "-t", "1"};
-        auto whole = scene, cut = scene;
-        whole.insert(whole.end(), {"-o", "whole.exr", "-q"});
-        cut.insert(cut.end(), {"-o", "a cut.exr", "--progress", "json", "--checkpoint-every", "10m"});
-        REQUIRE(run(folder, whole).code == 0);
+        const std::vector<std::string> scene = {"render", "@cornell", "--size", "32x32", "--seed", "3"};
+        auto cut = scene;
+        cut.insert(cut.end(), {"--spp", "1M", "-t", "1", "-o", "a cut.exr", "--progress", "json"});
         Running running(folder, cut);
         REQUIRE(running.awaitStderr("{\"progress\""));
         running.send(SIGTERM);
         const Outcome o = running.wait();
         CAPTURE(o.err);
-        if (o.code == 5) {
-            CHECK(contains(o.err, "/900 spp; wrote a cut.exr, a cut.chk. Continue: chiaro render @cornell --resume 'a cut.chk'"));
-            CHECK(samePixels(folder, "a cut.exr", "a cut.exr"));
-            const Outcome go = run(folder, {"render", "@cornell", "--resume", "a cut.chk", "-t", "2"});
-            CAPTURE(go.err);
-            CHECK(go.code == 0);
-            CHECK(contains(go.err, "resume   a cut.chk"));
-            CHECK(contains(go.err, "seed 3"));
-        }
+        CHECK(o.code == 5);
+        CHECK(contains(o.err, "/1000000 spp; wrote a cut.exr, a cut.chk. Continue: chiaro render @cornell --resume 'a cut.chk'"));
+        CHECK(readPicture(folder / "a cut.exr").width == 32);
+        const std::string end = std::to_string(readCheckpointHead(folder / "a cut.chk").done + 7);
+        const Outcome go = run(folder, {"render", "@cornell", "--resume", "a cut.chk", "--spp", end, "-t", "2"});
+        CAPTURE(go.err);
+        CHECK(go.code == 0);
+        CHECK(contains(go.err, "resume   a cut.chk"));
+        CHECK(contains(go.err, "seed 3"));
+        auto whole = scene;
+        whole.insert(whole.end(), {"--spp", end, "-o", "whole.exr", "-q"});
+        REQUIRE(run(folder, whole).code == 0);
         CHECK(samePixels(folder, "whole.exr", "a cut.exr"));
     }
 

@@ -55,7 +55,7 @@ struct Told {
         side.recipe = integrator;
         const auto made = side.settings.integrator.entry->make(side.settings.integrator.options);
         made->prepare(bench.job);
-        const auto& camera = dynamic_cast<const CameraIntegrator&>(*made);
+        auto& camera = dynamic_cast<CameraIntegrator&>(*made);
         TracedSide traced{&side, {}};
         for (uint32_t i = 0; i < samples; ++i) {
             TracedSample s{.number = i, .ray = {}, .log = {}};

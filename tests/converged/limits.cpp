@@ -163,7 +163,7 @@ void judgeAll(const std::string& name, const std::vector<Case>& cases, bool alwa
 constexpr std::string_view causticPhoton = "photon:gather=0,count=1k,caustic-count=300k", causticSppm = "sppm:count=1k,caustic-count=16k";
 
 TEST_SUITE("limits") {
-    TEST_CASE("@cornell") { judgeAll("@cornell", {{"photon", "path", "", .003}, {"sppm", "path", "", .005}}); }
+    TEST_CASE("@cornell") { judgeAll("@cornell", {{"photon", "path", "", .003, 16, 16, 32}, {"sppm", "path", "", .005, 16, 16, 32}}); }
     TEST_CASE("@cornell-spheres") {
         judgeAll("@cornell-spheres", {{"photon", "path", "", .01},
                                       {"sppm", "path", "", .02},
@@ -182,12 +182,11 @@ TEST_SUITE("limits") {
     TEST_CASE("caustic-ring") {
         judgeAll("caustic-ring", {{"photon", "path", "", .003},
                                   {"sppm", "path", "", .003},
-                                  {causticPhoton, "light", "L S+ D E", .05, 128},
-                                  {causticSppm, "light", "L S+ D E", .05, 128}});
+                                  {causticPhoton, "light", "L S+ D E", .02, 128},
+                                  {causticSppm, "light", "L S+ D E", .02, 128}});
     }
-    TEST_CASE("caustic-pool") {
-        judgeAll("caustic-pool", {{"photon", "path", "", .02}, {"sppm", "path", "", .02}, {"photon", "light", "", .02}});
-    }
+    // Its sky through water is what path has noise of.
+    TEST_CASE("caustic-pool") { judgeAll("caustic-pool", {{"photon", "path", "", .2}, {"sppm", "path", "", .2}}); }
     TEST_CASE("stained-glass-lamp") { judgeAll("stained-glass-lamp", {{"photon", "path", "", .02}, {"sppm", "path", "", .02}}); }
     TEST_CASE("lamp-room") { judgeAll("lamp-room", {{"photon", "path", "", .03}, {"sppm", "path", "", .03}}); }
 } // TEST_SUITE

@@ -9,6 +9,7 @@
 #include <iterator>
 #include <limits>
 #include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 using namespace chiaro;
@@ -170,6 +171,22 @@ TEST_SUITE("picture") {
         CHECK(code == Exit::resources);
         CHECK(folder.read("a.bin") == std::string("two", 4));
         CHECK(std::distance(fs::directory_iterator(folder.path), fs::directory_iterator()) == 1);
+    }
+
+    TEST_CASE("what a killed program left beside a file goes with the next writing, what others write stays") {
+        const Folder folder;
+        char host[256] = {};
+        gethostname(host, sizeof host - 1);
+        const std::string stem = std::string(".a.bin.") + host + "-";
+        const pid_t child = fork();
+        if (child == 0) _exit(0);
+        waitpid(child, nullptr, 0); // a number that belongs to nobody
+        for (const std::string& name : {stem + std::to_string(child) + ".tmp", stem + "1.tmp", std::string(".a.bin.elsewhere-7.tmp"),
+                                        std::string(".b.bin.") + host + "-" + std::to_string(child) + ".tmp"})
+            std::ofstream(folder.path / name) << "half";
+        replaceFile(folder.path / "a.bin", std::as_bytes(std::span("one")));
+        CHECK(!fs::exists(folder.path / (stem + std::to_string(child) + ".tmp")));
+        CHECK(std::distance(fs::directory_iterator(folder.path), fs::directory_iterator()) == 4);
     }
 
     TEST_CASE("permissions and links survive") {

@@ -135,14 +135,14 @@ std::atomic<uint64_t> allocations{0};
 
 } // namespace
 
-// Counts what the whole test program allocates.
-void* operator new(std::size_t bytes) {
+// Counts what the whole test program allocates. Not inlined: the compiler would see one half of a pair.
+[[gnu::noinline]] void* operator new(std::size_t bytes) {
     allocations.fetch_add(1, std::memory_order_relaxed);
     if (void* p = std::malloc(bytes ? bytes : 1)) return p;
     throw std::bad_alloc();
 }
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+[[gnu::noinline]] void operator delete(void* p) noexcept { std::free(p); }
+[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }
 
 TEST_SUITE("path-wide") {
 

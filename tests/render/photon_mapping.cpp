@@ -191,15 +191,15 @@ TEST_SUITE("photon-caustics") {
         const auto scene = compiled(std::move(s));
         // From the side and below the ball: the floor is seen directly, and every piece of it counts the same, blurred or not.
         const CameraDesc camera = probe({0, 0, 0}, {0, -.2, -1}, 1.5, .2);
-        const Settings how{16, 16, 128, {}, 2, 0, SamplerKind::sobol, FilterKind::box};
+        const Settings how{16, 16, 64, {}, 2, 0, SamplerKind::sobol, FilterKind::box};
         PathQuery caustic;
         caustic.paths = "L S+ D E";
         Settings many = how;
         many.spp = 256;
         const stats::Moments light = replicate(*scene, camera, many, "light", caustic, 1);
         CHECK(replicate(*scene, camera, how, "path", caustic, 2).mean == 0);
-        // The replicates of three radii share their photons, so that the extrapolated ones, exact for bias of h and h^2, are hardly noisier
-        // than one radius.
+        // The replicates of two radii share their photons, so that the extrapolated ones are hardly noisier than one radius; there is no
+        // edge near, and the bias goes with its square.
         uint64_t seed = 3;
         for (const std::string other :
              {"photon:count=1k,caustic-count=64k,caustic-radius=0.06", "photon:gather=0,count=1k,caustic-count=64k,caustic-radius=0.06",
@@ -208,7 +208,7 @@ TEST_SUITE("photon-caustics") {
             stats::Moments limit;
             for (uint64_t r = 0; r < replicates; ++r) {
                 double at0 = 0;
-                for (const auto& [shrink, weight] : {std::pair{"1", 1. / 3}, {"0.5", -2.}, {"0.25", 8. / 3}}) {
+                for (const auto& [shrink, weight] : {std::pair{"1", -1. / 3}, {"0.5", 4. / 3}}) {
                     Settings one = how;
                     one.seed = seed * 1000 + r;
                     Bench bench(*scene, local(*scene, camera), one);
@@ -220,12 +220,12 @@ TEST_SUITE("photon-caustics") {
                 limit.add(at0);
             }
             ++seed;
-            checkSame(limit, limit.error(), light, 0.06, 0);
+            checkSame(limit, limit.error(), light, 0.08, 0);
         }
         // The nearest ones: blurred by as much as they lie apart.
         const stats::Moments m =
-            replicate(*scene, camera, how, "photon:estimate=knn,k=100,count=1k,caustic-count=32k,caustic-radius=0.1", caustic, seed);
-        checkSame(m, m.error(), light, 0.08, 1e-2);
+            replicate(*scene, camera, how, "photon:estimate=knn,k=60,count=1k,caustic-count=6k,caustic-radius=0.2", caustic, seed);
+        checkSame(m, m.error(), light, 0.08, 2e-2);
     }
     TEST_CASE("the focus of a ball lens holds the energy that optics says (@caustic, G7)") {
         SceneDesc desc = findBuiltin("@caustic")->make();
@@ -358,7 +358,7 @@ TEST_SUITE("photon-prepass") {
         const auto field = choice.entry->make(choice.options);
         Bench bench(*scene, inside, {16, 16, 16, {}, 2});
         field->solve(bench.job);
-        CHECK(bench.notes.facts().size() == 1);
+        CHECK(bench.notes.facts().size() == 2); // what was chosen, and where the light went
         const Job with{bench.job, bench.view, field.get()};
         const IntegratorChoice distributed = chooseIntegrator("distributed");
         const auto picture = [&](const Job& job) {

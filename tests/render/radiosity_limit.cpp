@@ -1,5 +1,6 @@
 // Where radiosity must arrive as patches shrink: at the path tracer, bounce by bounce, with bodies that stand on a floor; and at closed
 // forms of curved and of endless surfaces that patches only come near.
+#include "core/math/sobol.h"
 #include "integrators/radiosity/solve_options.h"
 #include "scenes/builtin.h"
 #include "tests/render/form_factors_kit.h"
@@ -20,6 +21,19 @@ SceneDesc blockOnFloor(double turn) {
     shapes::add(d, "block", shapes::box({.13, .1, .13}), grey, shapes::translation({.07, -.4, .03}) * rotation({0, 1, 0}, turn));
     const int lamp = shapes::add(d, shapes::lamp("lamp", Spectrum(8)));
     shapes::add(d, "lamp", plate({0, .4999, 0}, {0, -1, 0}, .1), lamp);
+    return d;
+}
+
+// A closed room of unit size, five thin walls and a floor that goes on beyond them, with a dim lamp within and a bright one outside.
+SceneDesc roomOnWideFloor(float outside) {
+    SceneDesc d;
+    const int grey = shapes::add(d, shapes::diffuse("grey", Spectrum(.5f)));
+    shapes::add(d, "floor", plate({0, -.5, 0}, {0, 1, 0}, .83), grey);
+    shapes::add(d, "ceiling", unitFace(1, 1), grey);
+    for (const int axis : {0, 2})
+        for (const int side : {-1, 1}) shapes::add(d, "wall", unitFace(axis, side), grey);
+    shapes::add(d, "lamp", plate({0, .499, 0}, {0, -1, 0}, .1), shapes::add(d, shapes::lamp("lamp", Spectrum(8))));
+    if (outside > 0) shapes::add(d, "sky", plate({0, 2, 0}, {0, -1, 0}, 2), shapes::add(d, shapes::lamp("sky", Spectrum(outside))));
     return d;
 }
 
@@ -114,6 +128,58 @@ TEST_SUITE("radiosity-limit") {
              {"direct", "shoot,direct=rays,factors=hemisphere", "shoot,direct=rays", "hierarchical", "stochastic,shots=2048"}) {
             CAPTURE(solver);
             CHECK(arrived(fmt::format("size=.101,rays=4096,light-rays=512,solver={}", solver)) == doctest::Approx(fine).epsilon(8e-3));
+        }
+    }
+
+    TEST_CASE("a wall that stands in the midst of patches keeps the light outside") {
+        const auto arrived = [&](const Scene& scene, const std::string& text) {
+            const Options o = Options::parse(solveOptions, text, "radiosity");
+            const Solved s = RadiosityBench(scene).solve(patchSettings(o), solveSettings(o));
+            return meanOver(
+                s.patches, [](const Patch& p) { return p.part == 1 && p.normal.y < 0; },
+                [&](uint32_t i) { return luminance(s.solution.irradiance(i)); });
+        };
+        const auto alone = compiled(roomOnWideFloor(0)), lit = compiled(roomOnWideFloor(100));
+        for (const char* solver : {"gauss-seidel,rays=2048", "stochastic,shots=2048", "hierarchical,link-error=1e-3"}) {
+            const std::string how = fmt::format("size=.24,light-rays=512,solver={}", solver);
+            const double within = arrived(*alone, how), beside = arrived(*lit, how);
+            INFO(solver << ": " << 100 * (beside / within - 1) << " % more");
+            CHECK(beside == doctest::Approx(within).epsilon(.01));
+        }
+    }
+
+    TEST_CASE("patches that a wall cuts: no area is lost, and every point finds its own") {
+        const auto scene = compiled(roomOnWideFloor(100));
+        const RadiosityBench bench(*scene);
+        const Patches p = patchesOf(bench, .24f);
+        double floor = 0, room = 0;
+        for (const Patch& x : p.all()) {
+            if (x.part != 0 || x.normal.y < 0) continue;
+            floor += double(x.area);
+            if (const Vec3 c = x.centre - local(*scene, {0, 0, 0}); std::fabs(c.x) < .5f && std::fabs(c.z) < .5f) room += double(x.area);
+        }
+        CHECK(floor == doctest::Approx(1.66 * 1.66).epsilon(1e-4));
+        CHECK(room == doctest::Approx(1).epsilon(1e-4));
+        for (uint32_t k = 0; k < 256; ++k) {
+            const Point2 u = sobolPair(k, 1, 2);
+            const Vec3d from{1.66 * double(u.x) - .83, -.45, 1.66 * double(u.y) - .83};
+            if (std::fabs(std::fabs(from.x) - .5) < 1e-3 || std::fabs(std::fabs(from.z) - .5) < 1e-3) continue;
+            const Vec3 down{0, -1, 0};
+            const Hit hit = scene->intersect(rayFrom(local(*scene, from), down));
+            const auto place = p.at(hit, true);
+            REQUIRE(place);
+            CHECK(place->patch == p.seen(hit, down));
+            const Patch& x = p[place->patch];
+            const Vec3 here = x.at(place->s, place->t), there = local(*scene, from), middle = local(*scene, {0, 0, 0});
+            CHECK(length(Vec3{here.x - there.x, 0, here.z - there.z}) < 1e-4f);
+            const auto inRoom = [&](const Vec3& v) { return std::fabs(v.x - middle.x) < .5f && std::fabs(v.z - middle.z) < .5f; };
+            CHECK(inRoom(x.centre) == inRoom(there));
+            if (x.other == ~0u) continue;
+            const auto below = p.at(hit, false);
+            REQUIRE(below);
+            const Patch& y = p[below->patch];
+            CHECK(y.other == place->patch);
+            CHECK(length(y.at(below->s, below->t) - here) < 1e-4f);
         }
     }
 

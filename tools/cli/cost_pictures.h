@@ -1,5 +1,6 @@
-// What each pixel cost, or what its photons were, for the eye: beside FILE.png one picture a quantity, in colours from dark (cheap) to bright (dear) over a bar with
-// its numbers. The brightest twentieth may lie beyond the bar: a thread that the system stopped for a while is no dear pixel.
+// What each pixel cost, or what its photons were, for the eye: beside FILE.png one picture a quantity, in colours from dark (cheap) to
+// bright (dear) over a bar with its numbers. The brightest twentieth may lie beyond the bar: a thread that the system stopped for a while
+// is no dear pixel.
 #pragma once
 #include "io/picture.h"
 #include <array>

@@ -8,13 +8,30 @@
 
 namespace chiaro::cli {
 
-Replayed replay(const Job& job, const CameraIntegrator& integrator, Pixel pixel, uint32_t sample, PathLog* log) {
+namespace {
+
+// In lanes a sample may round otherwise than alone: its value is what a film of this pixel gets. The path that is told is the one alone.
+void takeStreamed(const Job& job, CameraIntegrator& integrator, Pixel pixel, uint32_t sample, Spectrum& value) {
+    View view = job.view;
+    view.crop = {pixel.x, pixel.y, pixel.x + 1, pixel.y + 1};
+    const FilmLayout layout{.width = view.width, .height = view.height, .crop = view.crop, .layers = job.classes.layerNames()};
+    const Job here{static_cast<const Work&>(job), view, job.prepass};
+    if (!integrator.streams(here, layout)) return;
+    Film film(layout, sample);
+    integrator.render(here, {sample, sample + 1}, film);
+    if (film.count(pixel) > 0) value = film.mean(pixel);
+}
+
+} // namespace
+
+Replayed replay(const Job& job, CameraIntegrator& integrator, Pixel pixel, uint32_t sample, PathLog* log) {
     Replayed r{.start = startPixel(job, pixel, sample, integrator.starts(job)), .value = {}};
     Outputs out{FilmLayout{.width = job.view.width, .height = job.view.height, .crop = job.view.crop, .layers = job.classes.layerNames()}};
     out.log = log;
     PathStart start = r.start; // an integrator may use it up
     integrator.radiance(job, start, out);
     r.value = out.total();
+    takeStreamed(job, integrator, pixel, sample, r.value);
     r.rays = out.rays + 1;
     r.depth = out.depth;
     return r;
@@ -24,7 +41,7 @@ int replaySample(const RenderSettings& s, const LoadedScene& loaded, const View&
                  Diagnostics& notes, Console& console) {
     const Pixel pixel = parsePixel("pixel", s.pixel, {view.width, view.height});
     const auto made = s.integrator.entry->make(s.integrator.options);
-    const auto* integrator = dynamic_cast<CameraIntegrator*>(made.get());
+    auto* integrator = dynamic_cast<CameraIntegrator*>(made.get());
     if (!integrator)
         throw Error(Exit::unsupported,
                     fmt::format("--pixel: {} does not make its picture sample by sample from the camera, so that one sample "

@@ -9,8 +9,9 @@ struct Replayed {
     Spectrum value;
     uint32_t rays = 0, depth = 0; // traced, the camera's own included; scatterings of the longest path
 };
-// log: told what the sample did; may be null.
-Replayed replay(const Job&, const CameraIntegrator&, Pixel, uint32_t sample, PathLog* log = nullptr);
+// The value is that of the sample in a picture, to the last bit; log: told what the sample did alone, which may round otherwise; may be
+// null.
+Replayed replay(const Job&, CameraIntegrator&, Pixel, uint32_t sample, PathLog* log = nullptr);
 
 // The value and the path on stdout; no file is touched. camera: its name.
 int replaySample(const RenderSettings&, const LoadedScene&, const View&, const std::string& camera, const Executor&, Diagnostics&,

@@ -52,7 +52,7 @@ TracedSide traceSide(const TraceSide& side, const Job& job, Pixel pixel, const T
     TracedSide traced{.side = &side, .samples = {}};
     const IntegratorChoice& choice = side.settings.integrator;
     const auto integrator = choice.entry->make(choice.options);
-    const auto* camera = dynamic_cast<const CameraIntegrator*>(integrator.get());
+    auto* camera = dynamic_cast<CameraIntegrator*>(integrator.get());
     const auto* source = dynamic_cast<const PathSource*>(integrator.get());
     if (!camera && !source)
         throw Error(Exit::unsupported,
