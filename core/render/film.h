@@ -113,8 +113,8 @@ public:
     // Standard error of mean(), per channel: |even - odd| / 2, pooled (root mean square) over the 8 x 8 block of the pixel. 0 with one half
     // only.
     std::vector<Spectrum> standardError() const;
-    // Relative error of the picture: the average standard error of a pixel's luminance over the average luminance. The average of blocks of
-    // 8 x 8 pixels, the root mean square within them: a few fireflies must not speak for all pixels, nor be overheard. NaN while there is
+    // Relative error of the picture: the average standard error of a pixel's luminance over the average luminance. The average of cells of
+    // 2 x 2 pixels, the root mean square within them: a few fireflies must not speak for all pixels, nor go unheard. NaN while there is
     // none.
     double noise() const;
     double noiseBound() const; // what noise() stays below with 95 % confidence: it is an estimate itself
@@ -149,7 +149,7 @@ private:
     // One standard error d of every pixel's luminance, from one degree of freedom each, summed up over pixels and over blocks of them.
     struct Spread {
         double light = 0;                          // of the picture: the sum of its luminances
-        double pooled = 0, pooledVariance = 0;     // over blocks: pixels x root mean square of d; and the variance of that sum
+        double pooled = 0;                         // over cells: pixels x root mean square of d
         double squares = 0, fourths = 0;           // over pixels
         double blockSquares = 0, blockFourths = 0; // over blocks: of the sum of d
     };

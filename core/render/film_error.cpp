@@ -9,19 +9,36 @@
 // the movements of the last two doublings say, within 1/4 (smooth, n^-2) and 1/2 (independent samples, n^-1: then V(n) = E d^2). Between
 // powers of two the error falls by n^-1/2. Without two doublings the halves speak.
 //
+// Noise: the root mean square of d in cells of 2 x 2 pixels, over its mean for normal deviates; the sum of these has a variance of half the
+// sum of d^2. Larger cells would let edges speak for their surroundings, single pixels would not hear what is rare.
+//
 // Each pixel gives one degree of freedom. Their sum has the effective number of Satterthwaite (1946) with the correction for estimated
 // fourth powers of normal deviates, 3 (sum d^2)^2 / sum d^4 - 2: a picture whose error lies in a few pixels knows little about it. Where
 // pixels share samples (splats, photons), blocks of pixels move more than their pixels would alone: then the blocks speak.
 #include "core/render/film.h"
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 
 namespace chiaro {
 namespace {
 
-constexpr uint32_t block = 8;                         // pixels over which the error is pooled
+constexpr uint32_t cell = 2, block = 8;               // pixels along an edge, over which errors are pooled and correlations are looked for
 constexpr double smoothest = 0.25, independent = 0.5; // what is left of the variance when samples double
+
+// The mean of the root of a mean square of n normal deviates, in sigma: sqrt(2 / n) Gamma((n + 1) / 2) / Gamma(n / 2).
+double rootOfMean(uint32_t n) noexcept {
+    static const auto table = [] {
+        std::array<double, cell * cell + 1> all{};
+        for (std::size_t i = 1; i < all.size(); ++i) {
+            const double k = double(i);
+            all[i] = std::sqrt(2 / k) * std::tgamma((k + 1) / 2) / std::tgamma(k / 2);
+        }
+        return all;
+    }();
+    return table[n];
+}
 
 double effectiveNumber(double squares, double fourths, double most) noexcept {
     return fourths > 0 ? std::clamp(3 * squares * squares / fourths - 2, 1.0, std::max(1.0, most)) : std::max(1.0, most);
@@ -72,33 +89,36 @@ double Film::halfDeviation(Pixel p) const noexcept {
 
 // deviation(pixel, its luminance)
 template <class Deviation> Film::Spread Film::spread(Deviation&& deviation) const {
-    struct Block {
-        double pixels = 0, sum = 0, squares = 0, fourths = 0;
+    struct Pool {
+        uint32_t pixels = 0;
+        double sum = 0, squares = 0;
     };
     const Rect& crop = layout_.crop;
     Spread s;
-    std::vector<Block> row((crop.width() + block - 1) / block);
+    std::vector<Pool> cells((crop.width() + cell - 1) / cell), blocks((crop.width() + block - 1) / block);
     for (uint32_t y = crop.y0; y < crop.y1; ++y) {
         for (uint32_t x = crop.x0; x < crop.x1; ++x) {
             const double light = double(luminance(mean({x, y}))), d = deviation(Pixel{x, y}, light);
-            Block& b = row[(x - crop.x0) / block];
             s.light += light;
-            ++b.pixels;
-            b.sum += d;
-            b.squares += d * d;
-            b.fourths += sqr(d * d);
+            s.squares += d * d;
+            s.fourths += sqr(d * d);
+            Pool& c = cells[(x - crop.x0) / cell];
+            ++c.pixels;
+            c.squares += d * d;
+            blocks[(x - crop.x0) / block].sum += d;
         }
-        if ((y - crop.y0 + 1) % block && y + 1 != crop.y1) continue;
-        for (Block& b : row) {
-            s.pooled += std::sqrt(b.pixels * b.squares);
-            if (b.squares > 0) // of n x the root of the mean square: by what is seen of d^4, at least that of normal deviates
-                s.pooledVariance += std::max(b.squares / 2, (b.fourths - sqr(b.squares) / b.pixels) * b.pixels / (4 * b.squares));
-            s.squares += b.squares;
-            s.fourths += b.fourths;
-            s.blockSquares += sqr(b.sum);
-            s.blockFourths += sqr(sqr(b.sum));
-            b = {};
-        }
+        const uint32_t rows = y - crop.y0 + 1;
+        if (rows % cell == 0 || y + 1 == crop.y1)
+            for (Pool& c : cells) {
+                s.pooled += std::sqrt(c.pixels * c.squares) / rootOfMean(c.pixels);
+                c = {};
+            }
+        if (rows % block == 0 || y + 1 == crop.y1)
+            for (Pool& b : blocks) {
+                s.blockSquares += sqr(b.sum);
+                s.blockFourths += sqr(sqr(b.sum));
+                b = {};
+            }
     }
     return s;
 }
@@ -166,7 +186,7 @@ double Film::noise() const {
 double Film::noiseBound() const {
     if (done_ - begin_ < 2) return std::nan("");
     const Uncertainty e = uncertainty();
-    const double own = std::sqrt(e.spread.pooledVariance * e.moreThanPixels);
+    const double own = std::sqrt(0.5 * e.spread.squares * e.moreThanPixels);
     return e.spread.pooled == 0 ? 0 : e.pooled * (e.spread.pooled + student95(e.dof) * own) / e.spread.light;
 }
 

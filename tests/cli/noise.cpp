@@ -63,7 +63,7 @@ TEST_SUITE("noise-interval") {
             CHECK(p.covered >= 90);
             CHECK(p.covered <= 99);
             CHECK(p.noise > 0.75 * p.spread);
-            CHECK(p.noise < 1.3 * p.spread);
+            CHECK(p.noise < 1.4 * p.spread);
         }
     }
 

@@ -282,7 +282,8 @@ TEST_SUITE("prepass_program") {
             const Json j = Json::parse(program::readAll(folder / "out" / "results.json"));
             CHECK(j["entries"][0]["name"] == "distributed + " + recipe);
             CHECK(j["entries"][0]["prepassSeconds"].get<double>() > 0);
-            CHECK(j["entries"][1]["prepassSeconds"] == 0);
+            // path has its tables to make, and no field to solve
+            CHECK(j["entries"][1]["prepassSeconds"].get<double>() < j["entries"][0]["prepassSeconds"].get<double>());
             CHECK(contains(j["entries"][0]["render"].get<std::string>(), "--prepass " + recipe));
             CHECK(!contains(j["entries"][1]["render"].get<std::string>(), "--prepass"));
             CHECK(std::filesystem::exists(folder / "out" / ("distributed+" + recipe + ".exr")));

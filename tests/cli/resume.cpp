@@ -112,7 +112,8 @@ TEST_SUITE("resume") {
         CHECK(o.code == 5);
         CHECK(contains(o.err, "/1000000 spp; wrote a cut.exr, a cut.chk. Continue: chiaro render @cornell --resume 'a cut.chk'"));
         CHECK(readPicture(folder / "a cut.exr").width == 32);
-        const std::string end = std::to_string(readCheckpointHead(folder / "a cut.chk").done + 7);
+        // Beyond the pass that was cut, which is at most twice as long as the one before: some pixels have its samples.
+        const std::string end = std::to_string(4 * readCheckpointHead(folder / "a cut.chk").done + 7);
         const Outcome go = run(folder, {"render", "@cornell", "--resume", "a cut.chk", "--spp", end, "-t", "2"});
         CAPTURE(go.err);
         CHECK(go.code == 0);

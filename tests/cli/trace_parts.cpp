@@ -114,7 +114,9 @@ TEST_SUITE("trace parts") {
 
     TEST_CASE("the contributions told sum to the sample, exactly") {
         for (const char* name : {"@cornell-spheres", "@caustic", "@veach-mis"})
-            for (const char* integrator : {"path", "path:nee=off", "path:mis=off", "path:rr-depth=0", "normals", "albedo"}) {
+            // One path at a time: lanes may round otherwise than what is told.
+            for (const char* integrator :
+                 {"path:wide=off", "path:wide=off,nee=off", "path:wide=off,mis=off", "path:wide=off,rr-depth=0", "normals", "albedo"}) {
                 CAPTURE(name);
                 CAPTURE(integrator);
                 const Told told(findBuiltin(name)->make(), 24, {13, 15}, 40, integrator);

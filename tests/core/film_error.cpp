@@ -63,7 +63,7 @@ TEST_SUITE("film-error") {
         const Film::Mean m = film.meanLuminance();
         CHECK(m.value == doctest::Approx((2 + 2 + 2 + 6) / 4.0));
         CHECK(m.error == doctest::Approx(std::sqrt(1.0 + 0 + 1 + 4) / 4)); // errors of pixels 1 0 1 2, independent
-        CHECK(film.noise() == doctest::Approx(std::sqrt((1.0 + 0 + 1 + 4) / 4) / 3));
+        CHECK(film.noise() == doctest::Approx(std::sqrt((1.0 + 0 + 1 + 4) / 4) / 0.9399856 / 3));
         Film green(FilmLayout{1, 1, {0, 0, 1, 1}, {}, false});
         add(green, {0, 0}, 0, {0, 1, 0});
         CHECK(green.meanLuminance().value == doctest::Approx(0.7152));

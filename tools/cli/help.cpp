@@ -44,7 +44,7 @@ constexpr auto topics = std::to_array<Topic>({
 )"},
     {"noise", R"(Noise
   The line `done` gives two errors of the picture, and --noise P ends a render by the first of them.
-  noise  the average standard error of a pixel's luminance (root mean square over 8 x 8 pixels) over the average luminance.
+  noise  the average standard error of a pixel's luminance (root mean square over 2 x 2 pixels) over the average luminance.
   mean   the 95 % interval of the whole picture's mean luminance, relative, by Student's t.
   Both come from how far every pixel moved when its samples doubled last. A scrambled sequence of samples is better than a random one, by
   how much differs from pixel to pixel; the movements of the last two doublings say it: if they fall by q (in variance, 1/4 to 1/2), then
