@@ -173,7 +173,7 @@ TEST_SUITE("limits") {
     // The lamp in the ball is far below a pixel, and path meets it by accident: light is the measure. A floor without edges: what the blur
     // carries over the rim of the picture goes with the square of the radius.
     TEST_CASE("@caustic") {
-        judgeAll("@caustic", {{causticPhoton, "light", "L S+ D E", .04, 32, 64, 8, {2}}}, true);
+        judgeAll("@caustic", {{causticPhoton, "light", "L S+ D E", .04, 32, 64, 10, {2}}}, true);
         judgeAll("@caustic", {{causticPhoton, "light", "L S+ D E", .02, 128, 64, 16, {2}},
                               {causticSppm, "light", "L S+ D E", .02, 128, 64, 16, {2}},
                               {"photon", "light", "", .02},
