@@ -84,8 +84,7 @@ SceneDesc readGltf(const std::filesystem::path& path, const GltfOptions& options
     file.notes = &notes;
     try {
         std::error_code absent; // reading says so
-        if (const uintmax_t bytes = std::filesystem::file_size(path, absent); options.admit && !absent)
-            options.admit({.fileBytes = bytes});
+        if (const uintmax_t bytes = std::filesystem::file_size(path, absent); options.admit && !absent) options.admit({.fileBytes = bytes});
         openContainer(file);
         checkSchema(file);
         checkVersion(file);

@@ -18,9 +18,12 @@ void checkInterrupted(const std::string& integrator, uint64_t seed) {
     const Scene& scene = resume::sceneFor(integrator);
     const Folder folder;
     constexpr uint32_t samples = 13;
-    Run once(scene, integrator, 1);
-    const auto whole = once.begin();
-    const double seconds = once.render(*whole, samples).seconds;
+    const auto [whole, seconds] = [&] { // one executor at a time: the smallest would limit the others
+        Run once(scene, integrator, 1);
+        auto all = once.begin();
+        const double taken = once.render(*all, samples).seconds;
+        return std::pair(std::move(all), taken);
+    }();
     stats::Random u(seed);
     std::unique_ptr<Film> film;
     std::string state;
