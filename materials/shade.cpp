@@ -1,5 +1,6 @@
 #include "core/render/fault.h"
 #include "materials/bsdf.h"
+#include "materials/slot_reader.h"
 #include "materials/surface_parameters.h"
 
 namespace chiaro {
@@ -31,46 +32,16 @@ Vec3 above(const Vec3& n, const Vec3& ng) noexcept {
 }
 
 // glTF 2.0, 3.9.3: c 2 - 1 in each channel, the scale on x and y before normalising.
-Vec3 shadingNormal(const Scene& scene, const MaterialDesc& m, const SurfacePoint& s) noexcept {
+Vec3 shadingNormal(const SlotReader& read, const MaterialDesc& m, const SurfacePoint& s) noexcept {
     if (m.normalTexture.texture < 0) return s.ns;
     const Tangents frame = tangents(s);
     if (!frame) return s.ns;
-    Vec4 c = scene.sample(m.normalTexture, s, Transfer::linear);
+    Vec4 c = read(m.normalTexture, Transfer::linear);
     if (fault(Fault::normalGreenFlipped)) c.y = 1 - c.y;
     const Vec3 n = frame.t * ((2 * c.x - 1) * m.normalScale) + frame.b * ((2 * c.y - 1) * m.normalScale) + s.ns * (2 * c.z - 1);
     const float l = length(n);
     return l > 1e-6f ? above(n * (1 / l), s.ng) : s.ns;
 }
-
-Spectrum rgb(const Vec4& v) noexcept { return {v.x, v.y, v.z}; }
-float clamped(float x) noexcept { return clamp01(x); }
-
-} // namespace
-
-BsdfParameters surfaceParameters(const Scene& scene, const SurfacePoint& s) noexcept {
-    const MaterialDesc& m = scene.material(s.material);
-    BsdfParameters p;
-    if (m.unlit) {
-        p.baseColor = Spectrum(0);
-        p.specular = 0;
-        return p;
-    }
-    const Spectrum base = m.baseColor *
-                          rgb(scene.sample(m.baseColorTexture, s, fault(Fault::baseColorNotDecoded) ? Transfer::linear : Transfer::srgb)) *
-                          rgb(s.color);
-    p.baseColor = {clamped(base[0]), clamped(base[1]), clamped(base[2])};
-    const Vec4 mr = scene.sample(m.metallicRoughnessTexture, s, Transfer::linear);
-    p.metallic = m.metallic * mr.z;
-    p.roughness = m.roughness * mr.y;
-    p.ior = m.ior;
-    p.specular = m.specular * scene.sample(m.specularTexture, s, Transfer::linear).w;
-    p.specularColor = m.specularColor * rgb(scene.sample(m.specularColorTexture, s, Transfer::srgb));
-    p.transmission = m.transmission * scene.sample(m.transmissionTexture, s, Transfer::linear).x;
-    p.thin = !m.volume;
-    return p;
-}
-
-namespace {
 
 // The volume material behind the back face at s, where a segment along w (leaving s) runs on that side; null: outside, or no volume.
 const MaterialDesc* inside(const Scene& scene, const SurfacePoint* s, const Vec3& w) noexcept {
@@ -83,7 +54,8 @@ const MaterialDesc* inside(const Scene& scene, const SurfacePoint* s, const Vec3
 
 Bsdf shade(const Scene& scene, const SurfacePoint& s, const Vec3& wo, const Footprint&, Wavelengths&, Transport transport) noexcept {
     const MaterialDesc& m = scene.material(s.material);
-    return Bsdf(surfaceParameters(scene, s), s.ng, shadingNormal(scene, m, s), wo, transport);
+    const SlotReader read(scene, s);
+    return Bsdf(surfaceParameters(read, m, s), s.ng, shadingNormal(read, m, s), wo, transport);
 }
 
 Spectrum segmentTransmittance(const Scene& scene, const SurfacePoint* from, const Vec3& wi, const SurfacePoint* to,
@@ -93,7 +65,7 @@ Spectrum segmentTransmittance(const Scene& scene, const SurfacePoint* from, cons
     if (m == nullptr || !std::isfinite(m->attenuationDistance) || !(m->attenuationDistance > 0)) return Spectrum(1);
     Spectrum t;
     for (std::size_t i = 0; i < 3; ++i)
-        t[i] = std::pow(clamped(m->attenuationColor[i]), fault(Fault::absorptionPerBounce) ? 1 : distance / m->attenuationDistance);
+        t[i] = std::pow(clamp01(m->attenuationColor[i]), fault(Fault::absorptionPerBounce) ? 1 : distance / m->attenuationDistance);
     return t;
 }
 

@@ -6,6 +6,9 @@
 
 namespace chiaro {
 
+class SlotReader;
+
 BsdfParameters surfaceParameters(const Scene&, const SurfacePoint&) noexcept;
+BsdfParameters surfaceParameters(const SlotReader&, const MaterialDesc&, const SurfacePoint&) noexcept;
 
 } // namespace chiaro

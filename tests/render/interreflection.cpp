@@ -50,23 +50,10 @@ TEST_SUITE("interreflection") {
     }
 
     TEST_CASE("sphere with a black port of 5 % (F2)") {
-        // The first facets of the shell, up to 5 % of its area.
-        PrimitiveDesc shell = shapes::insideOut(shapes::sphere(1, 5)), port = shell;
-        const double whole = shapes::area(shell);
-        port.indices.clear();
-        while (shapes::area(port) < 0.05 * whole) {
-            port.indices.insert(port.indices.end(), shell.indices.end() - 3, shell.indices.end());
-            shell.indices.resize(shell.indices.size() - 3);
-        }
-        const double open = shapes::area(port) / whole;
-        SceneDesc s = closed(std::move(shell), 1, 0.9f);
-        port.normals.clear();
-        const int black = shapes::add(s, shapes::diffuse("port", Spectrum(0)));
-        shapes::add(s, "port", std::move(port), black);
-        const auto scene = compiled(std::move(s));
-        // Any wall point away from the port: radiance is the same on all of the sphere.
-        checkEqual(measure(*scene, probe({0.1, -0.97, 0.15}, {0.1, -1, 0.1}), {16, 16, 1024, {}, 2}), 1 / (1 - 0.9 * (1 - open)), 0.012,
-                   1e-3);
+        PortedSphere sphere = portedSphere(5);
+        const auto scene = compiled(std::move(sphere.scene));
+        // Any wall point away from the port.
+        checkEqual(measure(*scene, probe({0.1, -0.97, 0.15}, {0.1, -1, 0.1}), {16, 16, 1024, {}, 2}), sphere.radiance, 0.012, 1e-3);
     }
 
     TEST_CASE("a point lamp off the centre of a sphere: indirect light is uniform (F3)") {

@@ -29,25 +29,12 @@ Measured measureOn(const Scene& scene, CameraDesc camera, const char* paths, uin
 
 TEST_SUITE("light-interreflection") {
     TEST_CASE("a glowing sphere with a black port (F2)") {
-        PrimitiveDesc shell = shapes::insideOut(shapes::sphere(1, 4)), port = shell;
-        const double whole = shapes::area(shell);
-        port.indices.clear();
-        while (shapes::area(port) < 0.05 * whole) {
-            port.indices.insert(port.indices.end(), shell.indices.end() - 3, shell.indices.end());
-            shell.indices.resize(shell.indices.size() - 3);
-        }
-        const double open = shapes::area(port) / whole;
-        SceneDesc s;
-        shell.normals.clear();
-        port.normals.clear();
-        shapes::add(s, "wall", std::move(shell), shapes::add(s, shapes::lamp("wall", Spectrum(1), Spectrum(.9f))));
-        shapes::add(s, "port", std::move(port), shapes::add(s, shapes::diffuse("port", Spectrum(0))));
-        const auto scene = compiled(std::move(s));
+        PortedSphere sphere = portedSphere(4);
+        const auto scene = compiled(std::move(sphere.scene));
         const CameraDesc camera = probe({0.1, -0.97, 0.15}, {0.1, -1, 0.1}, .5, .2);
-        const double expected = 1 / (1 - 0.9 * (1 - open));
-        checkEqual(measure(*scene, camera, settings(2048), "light"), expected, 0.1, 1e-3);
-        checkEqual(measureOn(*scene, camera, "L D+ E", 2048), expected - 1, 0.1, 1e-3);
-        checkEqual(measureOn(*scene, camera, "L D E", 8192), .9 * (1 - open), 0.1, 1e-3);
+        checkEqual(measure(*scene, camera, settings(2048), "light"), sphere.radiance, 0.1, 1e-3);
+        checkEqual(measureOn(*scene, camera, "L D+ E", 2048), sphere.radiance - 1, 0.1, 1e-3);
+        checkEqual(measureOn(*scene, camera, "L D E", 8192), .9 * (1 - sphere.open), 0.1, 1e-3);
     }
 
     TEST_CASE("infinite parallel plates, built of diffuse plates between mirrors (F6: A18)") {

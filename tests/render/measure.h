@@ -86,6 +86,28 @@ inline PrimitiveDesc upperDome(int level) {
     half.normals.clear();
     return half;
 }
+// A sphere that glows with radiance 1 and reflects .9, but for a black port of 5 % (row F2): its radiance is the same all over the wall.
+struct PortedSphere {
+    SceneDesc scene;
+    double radiance = 0, open = 0; // open: the port's share of the area
+};
+inline PortedSphere portedSphere(int level) {
+    PrimitiveDesc shell = shapes::insideOut(shapes::sphere(1, level)), port = shell;
+    const double whole = shapes::area(shell);
+    port.indices.clear();
+    while (shapes::area(port) < 0.05 * whole) { // facet by facet
+        port.indices.insert(port.indices.end(), shell.indices.end() - 3, shell.indices.end());
+        shell.indices.resize(shell.indices.size() - 3);
+    }
+    PortedSphere s;
+    s.open = shapes::area(port) / whole;
+    s.radiance = 1 / (1 - 0.9 * (1 - s.open));
+    shell.normals.clear();
+    port.normals.clear();
+    shapes::add(s.scene, "wall", std::move(shell), shapes::add(s.scene, shapes::lamp("wall", Spectrum(1), Spectrum(.9f))));
+    shapes::add(s.scene, "port", std::move(port), shapes::add(s.scene, shapes::diffuse("port", Spectrum(0))));
+    return s;
+}
 // Equal to an exact number by a one-sample t-test; and the test must be able to see a relative bias of `resolution`.
 // floor: of the arithmetic (float radiance, tessellation), relative.
 inline void checkEqual(const Measured& m, double expected, double resolution, double floor = 2e-5) {
