@@ -14,7 +14,7 @@ template <Show show> class DebugView final : public CameraIntegrator {
             return;
         }
         const SurfacePoint at = job.scene.point(start.first, start.ray);
-        const Bsdf bsdf = shade(job.scene, at, -start.ray.d, start.footprint, start.lambda);
+        const Bsdf bsdf = shade(job.scene, at, -start.ray.d, start.footprint.at(start.first.t), start.lambda);
         const Vec3 n = bsdf.normal();
         if (out.log) logSurface(*out.log, at, n, start.first.t, Spectrum(1));
         out.aov(Aov::albedo, bsdf.albedo());

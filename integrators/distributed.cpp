@@ -9,6 +9,7 @@
 #include "core/math/warp.h"
 #include "core/render/fault.h"
 #include "core/render/prepass.h"
+#include "core/scene/ray_cone.h"
 #include "integrators/distributed_light.h"
 #include "integrators/entries.h"
 #include "integrators/fixed_vector.h"
@@ -53,6 +54,7 @@ struct Plan {
 struct Branch {
     explicit Branch(const Sampler& s) noexcept : sampler(s) {}
     Ray ray;
+    Footprint footprint; // where the ray begins; once it has arrived, there
     Spectrum throughput{1};
     Sampler sampler;
     Wavelengths lambda;
@@ -72,8 +74,7 @@ struct Origin {
 
 class Tree {
 public:
-    Tree(const Job& job, const Plan& plan, const Footprint& footprint, Outputs& out) noexcept
-        : job_(job), plan_(plan), footprint_(footprint), out_(out) {}
+    Tree(const Job& job, const Plan& plan, Outputs& out) noexcept : job_(job), plan_(plan), out_(out) {}
     void follow(Branch, Origin) noexcept;
 
 private:
@@ -97,7 +98,6 @@ private:
 
     const Job& job_;
     const Plan& plan_;
-    Footprint footprint_;
     Outputs& out_;
 };
 
@@ -136,6 +136,7 @@ bool Tree::leave(const Vertex& v, const Vec3& wi, const Spectrum& weight, Event 
         b.sampler.skip(1);
     }
     b.ray = v.at.towards(wi);
+    b.footprint = chiaro::scattered(job_.scene, v.at, v.arrived.footprint, -v.arrived.ray.d, wi, b.density == 0, b.pdfW);
     b.lambda = v.arrived.lambda;
     b.event = event;
     b.weight = weight * (survive < 1 ? 1 / survive : 1.f);
@@ -148,7 +149,11 @@ bool Tree::overLobe(const Vertex& v, uint32_t samples, bool orDelta, Branch& b) 
     const auto sample = v.bsdf.sample(min(float(u.pick), oneMinusEpsilon), u.u);
     if (!sample) return false;
     b.pdfW = sample->pdfW;
-    if (sample->delta) return orDelta && leave(v, sample->wi, sample->weight, sample->event, b);
+    if (sample->delta) {
+        if (!orDelta || !leave(v, sample->wi, sample->weight, sample->event, b)) return false;
+        b.lambda = sample->after(b.lambda);
+        return true;
+    }
     const float part = fault(Fault::splitUnweighted) ? 1.f : 1.f / float(samples);
     for (const BsdfTerm& term : v.bsdf.evaluate(sample->wi, Terms::apart)) {
         if (!plan_.follows(term.event)) continue;
@@ -200,7 +205,8 @@ void Tree::grow(const Vertex& v, Siblings& siblings) noexcept {
 void Tree::follow(Branch b, Origin from) noexcept {
     SurfacePoint at, before;
     while (arrive(b, from, at)) {
-        const Bsdf bsdf = shade(job_.scene, at, -b.ray.d, footprint_, b.lambda);
+        b.footprint = b.footprint.at(b.hit.t);
+        const Bsdf bsdf = shade(job_.scene, at, -b.ray.d, b.footprint, b.lambda);
         if (!from.at) {
             out_.aov(Aov::albedo, bsdf.albedo());
             out_.aov(Aov::normal, Spectrum(bsdf.normal().x, bsdf.normal().y, bsdf.normal().z));
@@ -248,14 +254,15 @@ public:
         eye.lambda = start.lambda;
         eye.state = job.classes.eye();
         eye.hit = start.first;
-        Tree(job, plan_, start.footprint, out).follow(eye, {});
+        eye.footprint = cone(job.scene, start.footprint);
+        Tree(job, plan_, out).follow(eye, {});
     }
 
 private:
     void shadowView(const Job& job, PathStart& start, Outputs& out) const noexcept {
         if (!start.first) return;
         const SurfacePoint at = job.scene.point(start.first, start.ray);
-        const Bsdf bsdf = shade(job.scene, at, -start.ray.d, start.footprint, start.lambda);
+        const Bsdf bsdf = shade(job.scene, at, -start.ray.d, start.footprint.at(start.first.t), start.lambda);
         if (out.log) logSurface(*out.log, at, bsdf.normal(), start.first.t, Spectrum(1));
         Outputs unseen = out; // the light itself is not shown
         unseen.log = nullptr;

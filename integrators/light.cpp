@@ -247,7 +247,7 @@ void LightTracing::seeLights(const Job& job, PathStart& start, Outputs& out) con
     if (connect_ && light)
         addFound(out, job.classes.reached(eye, light.kind),
                  light.radiance * segmentTransmittance(job.scene, nullptr, start.ray.d, &at, start.first.t));
-    const Bsdf bsdf = shade(job.scene, at, -start.ray.d, start.footprint, start.lambda);
+    const Bsdf bsdf = shade(job.scene, at, -start.ray.d, start.footprint.at(start.first.t), start.lambda);
     out.aov(Aov::albedo, bsdf.albedo());
     out.aov(Aov::normal, Spectrum(bsdf.normal().x, bsdf.normal().y, bsdf.normal().z));
 }

@@ -140,6 +140,7 @@ bool scatterParticle(const Work& work, Particle& p, const Hit& hit, const Surfac
     p.state = next.state;
     p.visible = p.visible || !sample->delta;
     p.deltas = sample->delta ? p.deltas + 1 : 0;
+    p.lambda = sample->after(p.lambda);
     ++p.depth;
     p.ray = at.towards(sample->wi);
     if (rules.log) rules.log->scatter(next.event, next.weight * boost, sample->pdfW, sample->delta);

@@ -1,6 +1,7 @@
 // Unidirectional path tracing (Kajiya 1986) with next-event estimation, BSDF sampling, both weighted by the power heuristic (Veach and
 // Guibas 1995), and Russian roulette (Arvo and Kirk 1990).
 #include "core/render/fault.h"
+#include "core/scene/ray_cone.h"
 #include "integrators/entries.h"
 #include "integrators/path_wide.h"
 #include "integrators/transport.h"
@@ -58,6 +59,7 @@ void Path::radiance(const Job& job, PathStart& start, Outputs& out) const noexce
     Spectrum throughput(1);
     PathState state = classes.eye();
     SurfacePoint at, previous;
+    Footprint footprint = cone(scene, start.footprint);
     float pdfW = 0;
     bool delta = true;
     for (uint32_t depth = 0;; ++depth) {
@@ -71,12 +73,13 @@ void Path::radiance(const Job& job, PathStart& start, Outputs& out) const noexce
             return;
         }
         at = scene.point(hit, ray);
+        footprint = footprint.at(hit.t);
         throughput *= segmentTransmittance(scene, from, ray.d, &at, hit.t);
         if (out.log) logSurface(*out.log, at, at.ns, hit.t, throughput);
         if (const LightHit light = scene.lights().hit(at, -ray.d, from))
             addFound(out, classes.reached(state, light.kind), throughput * light.radiance * settings_.hitWeight(delta, pdfW, light.pdfW));
         if (!classes.continues(state) && depth > 0) return ended(out, unwanted(classes, depth));
-        const Bsdf bsdf = shade(scene, at, -ray.d, start.footprint, start.lambda);
+        const Bsdf bsdf = shade(scene, at, -ray.d, footprint, start.lambda);
         if (depth == 0) {
             out.aov(Aov::albedo, bsdf.albedo());
             out.aov(Aov::normal, Spectrum(bsdf.normal().x, bsdf.normal().y, bsdf.normal().z));
@@ -107,7 +110,9 @@ void Path::radiance(const Job& job, PathStart& start, Outputs& out) const noexce
         state = next.state;
         pdfW = sample->pdfW;
         delta = sample->delta;
+        start.lambda = sample->after(start.lambda);
         previous = at;
+        footprint = scattered(scene, at, footprint, -ray.d, sample->wi, delta, pdfW);
         ray = at.towards(sample->wi);
         hit = scene.intersect(ray);
         out.traced(1, depth + 1);

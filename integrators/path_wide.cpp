@@ -1,15 +1,20 @@
 #include "integrators/path_wide.h"
 #include "core/math/warp.h"
 #include "core/render/fault.h"
+#include "core/scene/ray_cone.h"
 #include "integrators/transport.h"
 #include "materials/bsdf.h"
+#include "materials/slot_reader.h"
+#include <algorithm>
 
 namespace chiaro {
 namespace {
 
-// That of the instruction set in which the scene's rays are traced: whoever fixes one fixes both. Null: it has none.
+// That of the instruction set in which the scene's rays are traced: whoever fixes one fixes both, but that the first processors with
+// AVX-512 lack what our loops want beside it. Null: it has none.
 PathProgram* program(const Scene& scene) noexcept {
-    return scene.isa() == "avx512" ? followPathsAvx512 : scene.isa() == "avx2" ? followPathsAvx2 : nullptr;
+    if (scene.isa() == "avx512" && __builtin_cpu_supports("gfni")) return followPathsAvx512;
+    return (scene.isa() == "avx512" || scene.isa() == "avx2") && __builtin_cpu_supports("fma") ? followPathsAvx2 : nullptr;
 }
 
 // Do classes ask for nothing but a depth? Then a path needs no state.
@@ -31,6 +36,11 @@ bool onlyDepth(const PathClasses& classes) noexcept {
     return false;
 }
 
+// A path that has picked a wavelength keeps it: lanes have no room for that.
+bool parts(const Scene& scene) noexcept {
+    return std::any_of(scene.materials().begin(), scene.materials().end(), [](const MaterialDesc& m) { return m.dispersion > 0; });
+}
+
 SurfacePoint from(const VertexLanes& l, uint32_t k) noexcept {
     SurfacePoint s;
     s.p = {l.fromP[0][k], l.fromP[1][k], l.fromP[2][k]};
@@ -42,7 +52,7 @@ void put(float (&to)[3][VertexLanes::size], uint32_t k, const Spectrum& s) noexc
     for (std::size_t c = 0; c < 3; ++c) to[c][k] = s[c];
 }
 uint32_t mediumOf(const MaterialDesc& m, uint32_t id) noexcept {
-    if (!m.volume || !(m.transmission > 0) || m.metallic >= 1) return 0;
+    if (!m.volume || !(m.transmission > 0 || m.diffuseTransmission > 0) || m.metallic >= 1) return 0;
     return (id + 1) | (std::isfinite(m.attenuationDistance) ? VertexLanes::absorbs : 0u);
 }
 template <class F> void each(uint32_t lanes, F&& f) noexcept {
@@ -56,13 +66,17 @@ float PathSettings::hitWeight(bool delta, float pdfW, float lightPdfW) const noe
     return mis ? powerHeuristic(pdfW, lightPdfW) : 0.f;
 }
 
-WidePaths::WidePaths(const Scene& scene, const PathSettings& settings, uint32_t length)
-    : scene_(scene), settings_(settings), length_(std::clamp(length, PathStream::least, PathStream::most)), surfaces_(scene),
-      materials_(scene), lights_(scene) {}
+WidePaths::WidePaths(const Scene& scene, const PathSettings& settings, uint32_t length, const Executor* run)
+    : scene_(scene), settings_(settings), length_(std::clamp(length, PathStream::least, PathStream::most)), surfaces_(scene, run),
+      materials_(scene), lights_(scene), textures_(scene, surfaces_) {}
 
 std::unique_ptr<const WidePaths> WidePaths::make(const Job& job, const PathSettings& settings, uint32_t length) {
-    if (!program(job.scene) || job.sampler != SamplerKind::sobol || !onlyDepth(job.classes)) return nullptr;
-    return std::make_unique<WidePaths>(job.scene, settings, length);
+    if (!program(job.scene) || job.sampler != SamplerKind::sobol || !onlyDepth(job.classes) || parts(job.scene)) return nullptr;
+    if (job.scene.counts().triangles * sizeof(WideTriangle) > job.memoryLimit) {
+        job.notes.warn("no memory for the table of triangles that paths in lanes read; they are followed one by one");
+        return nullptr;
+    }
+    return std::make_unique<WidePaths>(job.scene, settings, length, &job.run);
 }
 bool WidePaths::able(const Job& job, const FilmLayout& layout) noexcept {
     return job.sampler == SamplerKind::sobol && layout.layers.empty() && !layout.costs && !layout.photons && onlyDepth(job.classes);
@@ -70,7 +84,8 @@ bool WidePaths::able(const Job& job, const FilmLayout& layout) noexcept {
 
 void WidePaths::run(const Job& job, StartSource& source, SampleLanes& samples) const noexcept {
     thread_local const std::unique_ptr<PathStream> room(new PathStream); // not filled with zeros
-    program(scene_)(*this, job.classes.maxDepth(), source, samples, *room);
+    const Footprint pixel = textures_.filtered() ? job.view.camera.footprint() : Footprint{};
+    program(scene_)(*this, job.classes.maxDepth(), pixel, source, samples, *room);
 }
 
 void WidePaths::found(VertexLanes& l, uint32_t lanes) const noexcept {
@@ -86,9 +101,11 @@ void WidePaths::found(VertexLanes& l, uint32_t lanes) const noexcept {
 
 void WidePaths::texture(VertexLanes& l, uint32_t lanes) const noexcept {
     each(lanes, [&](uint32_t k) {
-        const SurfacePoint at = scene_.attributes(l.hits.hit(k));
+        SurfacePoint at = scene_.attributes(l.hits.hit(k));
+        at.time = l.rays.time[k];
         const MaterialDesc& m = scene_.material(at.material);
-        const Vec4 t = scene_.sample(m.baseColorTexture, at, fault(Fault::baseColorNotDecoded) ? Transfer::linear : Transfer::srgb);
+        const SlotReader read(scene_, at, {l.rays.dx[k], l.rays.dy[k], l.rays.dz[k]}, {l.width[k], l.spread[k]});
+        const Vec4 t = read(m.baseColorTexture, fault(Fault::baseColorNotDecoded) ? Transfer::linear : Transfer::srgb);
         put(l.baseColor, k, {clamp01(m.baseColor[0] * t.x), clamp01(m.baseColor[1] * t.y), clamp01(m.baseColor[2] * t.z)});
     });
 }
@@ -114,7 +131,8 @@ uint32_t WidePaths::vertex(VertexLanes& l, uint32_t lanes, uint32_t maxDepth) co
         l.shadow.tfar[k] = -1;
         if (depth >= maxDepth && depth > 0) return;
         Wavelengths lambda;
-        const Bsdf bsdf = shade(scene_, at, -ray.d, {}, lambda);
+        const Footprint here{l.width[k], l.spread[k]};
+        const Bsdf bsdf = shade(scene_, at, -ray.d, here, lambda);
         put(l.albedo, k, bsdf.albedo());
         put(l.normal, k, {bsdf.normal().x, bsdf.normal().y, bsdf.normal().z});
         if (depth >= maxDepth) return;
@@ -136,6 +154,7 @@ uint32_t WidePaths::vertex(VertexLanes& l, uint32_t lanes, uint32_t maxDepth) co
         alive |= 1u << k;
         for (std::size_t c = 0; c < 3; ++c) l.throughput[c][k] *= sample->weight[c];
         l.pdfW[k] = sample->delta ? -sample->pdfW : sample->pdfW;
+        l.spread[k] = scattered(scene_, at, here, -ray.d, sample->wi, sample->delta, sample->pdfW).spread;
         l.fromP[0][k] = at.p.x, l.fromP[1][k] = at.p.y, l.fromP[2][k] = at.p.z;
         l.fromNg[0][k] = at.ng.x, l.fromNg[1][k] = at.ng.y, l.fromNg[2][k] = at.ng.z;
         const MaterialDesc& m = scene_.material(at.material);

@@ -4,12 +4,13 @@
 // a time by the scalar closure, in the same stream.
 //
 // No answer depends on which paths share a packet: a lane's arithmetic is its own, random numbers are functions of pixel, sample and
-// dimension, and the two sums of a sample (SampleLanes) are added to in the order of its path. Streams of any length give the same bits,
-// and so do AVX2 and AVX-512.
+// dimension, and the two sums of a sample (SampleLanes) are added to in the order of its path. Streams of any length give the same bits;
+// AVX2 and AVX-512 differ by the rounding of reciprocal roots.
 #pragma once
 #include "core/render/wide_starts.h"
 #include "core/scene/wide_lights.h"
 #include "core/scene/wide_surfaces.h"
+#include "core/scene/wide_textures.h"
 #include "materials/wide_materials.h"
 
 namespace chiaro {
@@ -21,10 +22,10 @@ struct PathSettings {
     float hitWeight(bool delta, float pdfW, float lightPdfW) const noexcept;
 };
 
-// The paths under way, packed: 100 bytes each.
+// The paths under way, packed: 108 bytes each.
 struct PathStream {
     // least: what is left of a packet and sixteen new ones have room together.
-    static constexpr uint32_t least = 32, most = 4096, room = most + 32, floats = 17, words = 6;
+    static constexpr uint32_t least = 32, most = 4096, room = most + 32, floats = 19, words = 6;
     alignas(64) float f[floats][room];
     alignas(64) uint32_t i[words][room];
 };
@@ -36,6 +37,7 @@ struct alignas(64) VertexLanes {
     HitPacket hits;
     float fromP[3][size], fromNg[3][size]; // where they began, geometric normal
     float throughput[3][size], pdfW[size]; // pdfW < 0: a delta lobe, or the camera
+    float width[size], spread[size];       // the footprint where the rays arrive; of the answer, where the next ones begin
     uint32_t depth[size];
     uint32_t pick[2][size]; // of a light, of a lobe: 32 random bits
     float u[2][2][size];
@@ -54,7 +56,7 @@ class WidePaths {
 public:
     // length: of a thread's stream. Null where this machine has no lanes, or the job is not one for them.
     static std::unique_ptr<const WidePaths> make(const Job&, const PathSettings&, uint32_t length);
-    WidePaths(const Scene&, const PathSettings&, uint32_t length);
+    WidePaths(const Scene&, const PathSettings&, uint32_t length, const Executor* run = nullptr);
     // Of all that a film may want, lanes give the picture and what denoisers want.
     static bool able(const Job&, const FilmLayout&) noexcept;
     void run(const Job&, StartSource&, SampleLanes&) const noexcept;
@@ -62,6 +64,7 @@ public:
     const WideSurfaces& surfaces() const noexcept { return surfaces_; }
     const WideMaterials& materials() const noexcept { return materials_; }
     const WideLights& lights() const noexcept { return lights_; }
+    const WideTextures& textures() const noexcept { return textures_; }
     const PathSettings& settings() const noexcept { return settings_; }
     uint32_t length() const noexcept { return length_; }
     const Scene& scene() const noexcept { return scene_; }
@@ -82,10 +85,11 @@ private:
     WideSurfaces surfaces_;
     WideMaterials materials_;
     WideLights lights_;
+    WideTextures textures_;
 };
 
 // One for each instruction set (integrators/wide/).
-using PathProgram = void(const WidePaths&, uint32_t maxDepth, StartSource&, SampleLanes&, PathStream&) noexcept;
+using PathProgram = void(const WidePaths&, uint32_t maxDepth, const Footprint&, StartSource&, SampleLanes&, PathStream&) noexcept;
 PathProgram followPathsAvx2, followPathsAvx512;
 
 } // namespace chiaro

@@ -5,6 +5,7 @@
 #include "integrators/entries.h"
 #include "integrators/photon_eye.h"
 #include "integrators/photon_field.h"
+#include <algorithm>
 
 namespace chiaro {
 namespace {
@@ -61,10 +62,8 @@ private:
     static bool movesInShutter(const Job& job) {
         const auto [open, close] = job.shutter;
         if (open == close) return false;
-        for (const DrawnPart& part : job.scene.parts())
-            for (const float t : {(open + close) / 2, close})
-                if (part.triangles > 0 && job.scene.corners(part, 0, open) != job.scene.corners(part, 0, t)) return true;
-        return false;
+        const auto parts = job.scene.parts();
+        return std::any_of(parts.begin(), parts.end(), [&](const DrawnPart& part) { return part.triangles > 0 && job.scene.moves(part); });
     }
     PhotonField field_;
     EyePlan plan_;

@@ -1,5 +1,6 @@
 #include "integrators/photon_eye.h"
 #include "core/render/fault.h"
+#include "core/scene/ray_cone.h"
 #include "integrators/fixed_vector.h"
 #include "materials/surface_parameters.h"
 #include <algorithm>
@@ -11,6 +12,7 @@ namespace {
 struct Branch {
     explicit Branch(const Sampler& s) noexcept : sampler(s) {}
     Ray ray;
+    Footprint footprint; // where the ray begins; once it has arrived, there
     Hit hit;
     Spectrum throughput{1};
     Sampler sampler;
@@ -28,8 +30,7 @@ struct Branch {
 
 class EyeWalk {
 public:
-    EyeWalk(const Job& job, const EyePlan& plan, const Footprint& footprint, Outputs& out) noexcept
-        : job_(job), plan_(plan), footprint_(footprint), out_(out) {}
+    EyeWalk(const Job& job, const EyePlan& plan, Outputs& out) noexcept : job_(job), plan_(plan), out_(out) {}
     void follow(Branch) noexcept;
     float count() const noexcept { return count_; }
 
@@ -58,7 +59,6 @@ private:
 
     const Job& job_;
     const EyePlan& plan_;
-    Footprint footprint_;
     Outputs& out_;
     float count_ = 0;
 };
@@ -66,7 +66,8 @@ private:
 bool EyeWalk::sharpAt(const SurfacePoint& at) const noexcept {
     if (plan_.sharp <= 0) return false;
     const MaterialDesc& m = job_.scene.material(at.material);
-    return (m.metallicRoughnessTexture.texture >= 0 ? surfaceParameters(job_.scene, at).roughness : m.roughness) < plan_.sharp;
+    const bool varies = m.metallicRoughnessTexture.texture >= 0 || m.specularGlossiness;
+    return (varies ? surfaceParameters(job_.scene, at).roughness : m.roughness) < plan_.sharp;
 }
 
 // Light found by the ray itself; true where it may be scattered.
@@ -188,9 +189,10 @@ bool EyeWalk::leave(const Vertex& v, Branch& next) noexcept {
     next.throughput = v.arrived.throughput * weight;
     next.state = turned.state;
     next.depth = v.arrived.depth + 1;
-    next.lambda = v.arrived.lambda;
+    next.lambda = sample->after(v.arrived.lambda);
     next.from = &v.at;
     next.ray = v.at.towards(sample->wi);
+    next.footprint = scattered(job_.scene, v.at, v.arrived.footprint, -v.arrived.ray.d, sample->wi, sample->delta, sample->pdfW);
     if (out_.log) out_.log->scatter(turned.event, weight, sample->pdfW, sample->delta);
     return true;
 }
@@ -230,7 +232,8 @@ void EyeWalk::follow(Branch b) noexcept {
     SurfacePoint at, before;
     bool maySplit = b.from == nullptr;
     while (arrive(b, at)) {
-        const Bsdf bsdf = shade(job_.scene, at, -b.ray.d, footprint_, b.lambda);
+        b.footprint = b.footprint.at(b.hit.t);
+        const Bsdf bsdf = shade(job_.scene, at, -b.ray.d, b.footprint, b.lambda);
         if (!b.from) {
             out_.aov(Aov::albedo, bsdf.albedo());
             out_.aov(Aov::normal, Spectrum(bsdf.normal().x, bsdf.normal().y, bsdf.normal().z));
@@ -266,7 +269,8 @@ float followEye(const Job& job, const EyePlan& plan, PathStart& start, Outputs& 
     eye.lambda = start.lambda;
     eye.state = job.classes.eye();
     eye.hit = start.first;
-    EyeWalk walk(job, plan, start.footprint, out);
+    eye.footprint = cone(job.scene, start.footprint);
+    EyeWalk walk(job, plan, out);
     walk.follow(eye);
     return walk.count();
 }

@@ -21,6 +21,7 @@ struct ParticleLanes {
     PathState state[room];
     uint16_t slot[room], deltas[room]; // slot: number of the path in the stream
     LightKind kind[room];
+    float hero[room]; // wavelength that a dispersive event picked, nanometres; 0: none
     // The surface that was left, as far as a segment asks for it; a plain one holds no volume behind it and is none.
     struct Left {
         static constexpr uint32_t none = ~0u;

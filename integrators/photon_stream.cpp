@@ -78,6 +78,7 @@ void PhotonStream::depart(uint64_t first, uint64_t count, PhotonHarvest& to) {
         l.deltas[i] = 0;
         l.state[i] = state;
         l.kind[i] = e.kind;
+        l.hero[i] = 0;
         l.left[i] = {};
     }
 }
@@ -187,6 +188,7 @@ void PhotonStream::goOnPlain(uint32_t depth, std::size_t lane, std::size_t i) {
     l.deltas[to] = 0;
     l.state[to] = next_[i];
     l.kind[to] = l.kind[lane];
+    l.hero[to] = l.hero[lane];
     l.left[to] = {};
 }
 
@@ -205,7 +207,8 @@ void PhotonStream::goOnAny(uint32_t depth, const Sampler& numbers, std::size_t l
                .kind = l.kind[lane],
                .depth = depth,
                .deltas = l.deltas[lane],
-               .throughput = {l.tr[lane], l.tg[lane], l.tb[lane]}};
+               .throughput = {l.tr[lane], l.tg[lane], l.tb[lane]},
+               .lambda = {l.hero[lane]}};
     SurfacePoint from, at;
     from.ng = l.left[lane].ng;
     from.material = l.left[lane].material == ParticleLanes::Left::none ? 0 : l.left[lane].material;
@@ -224,6 +227,7 @@ void PhotonStream::goOnAny(uint32_t depth, const Sampler& numbers, std::size_t l
     l.deltas[k] = uint16_t(p.deltas);
     l.state[k] = p.state;
     l.kind[k] = p.kind;
+    l.hero[k] = p.lambda.hero;
     l.left[k] = {at.ng, at.material};
 }
 

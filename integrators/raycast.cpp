@@ -14,6 +14,7 @@
 #include "integrators/local_light.h"
 #include "integrators/shadow_map.h"
 #include "integrators/transport.h"
+#include "materials/slot_reader.h"
 #include "materials/surface_parameters.h"
 #include <fmt/format.h>
 
@@ -149,7 +150,8 @@ void Raycast::arrive(const Job& job, PathStart& start, Outputs& out, Points& poi
     }
     const SurfacePoint at = scene.point(start.first, ray);
     const Spectrum throughput = segmentTransmittance(scene, nullptr, ray.d, &at, start.first.t);
-    const Bsdf bsdf = shade(scene, at, -ray.d, start.footprint, start.lambda);
+    const Footprint here = cone(scene, start.footprint).at(start.first.t);
+    const Bsdf bsdf = shade(scene, at, -ray.d, here, start.lambda);
     if (out.log) logSurface(*out.log, at, bsdf.normal(), start.first.t, throughput);
     if (const LightHit light = scene.lights().hit(at, -ray.d, nullptr))
         addFound(out, job.classes.reached(eye, light.kind), throughput * light.radiance);
@@ -159,8 +161,10 @@ void Raycast::arrive(const Job& job, PathStart& start, Outputs& out, Points& poi
         if (out.log) out.log->end("no scattered light is wanted");
         return;
     }
+    const SlotReader read(scene, at, -ray.d, here);
     const ClassicSurface classic =
-        material_ ? ClassicSurface{} : classicSurface(surfaceParameters(scene, at), lobe_, normalised_, exponent_);
+        material_ ? ClassicSurface{}
+                  : classicSurface(surfaceParameters(read, scene.material(at.material), at), lobe_, normalised_, exponent_);
     if (ambient_ > 0) addFound(out, otherLayer, throughput * (material_ ? bsdf.diffuseAlbedo() : classic.diffuse) * ambient_);
     points.add(at, bsdf, classic, -ray.d, throughput, &out);
 }

@@ -1,6 +1,7 @@
 #include "integrators/whitted_surface.h"
 #include "core/render/fault.h"
 #include "materials/fresnel.h"
+#include "materials/slot_reader.h"
 #include "materials/surface_parameters.h"
 #include <algorithm>
 
@@ -22,7 +23,7 @@ Bsdf closure(const Settings& s, const Scene& scene, const SurfacePoint& at, cons
              Wavelengths& lambda) noexcept {
     const Bsdf own = shade(scene, at, wo, footprint, lambda);
     if (s.transparency == Settings::Transparency::refractive || !transparent(scene.material(at.material))) return own;
-    BsdfParameters p = surfaceParameters(scene, at);
+    BsdfParameters p = surfaceParameters(SlotReader(scene, at, wo, footprint), scene.material(at.material), at);
     p.transmission = 0;
     return Bsdf(p, at.ng, frontNormal(own, at, wo), wo);
 }
@@ -74,7 +75,7 @@ WhittedSurface::WhittedSurface(const Settings& s, const Scene& scene, const Surf
     : bsdf_(s.transparency == Settings::Transparency::refractive ? shade(scene, at, wo, footprint, lambda)
                                                                  : closure(s, scene, at, wo, footprint, lambda)) {
     if (s.transparency == Settings::Transparency::refractive || !transparent(scene.material(at.material))) return;
-    const BsdfParameters p = surfaceParameters(scene, at);
+    const BsdfParameters p = surfaceParameters(SlotReader(scene, at, wo, footprint), scene.material(at.material), at);
     const float kt = transmittedShare(p);
     if (s.transparency == Settings::Transparency::filtered) {
         straight_ = p.baseColor * kt;
@@ -93,22 +94,25 @@ BsdfValue WhittedSurface::evaluate(const Vec3& wi, Terms terms) const noexcept {
     return value;
 }
 
-TreeBranches WhittedSurface::branches(const Settings& s, const Scene& scene, const SurfacePoint& at, const Vec3& wo) const noexcept {
+TreeBranches WhittedSurface::branches(const Settings& s, const Scene& scene, const SurfacePoint& at, const Vec3& wo,
+                                      const Footprint& footprint) const noexcept {
     TreeBranches all;
     for (const DeltaBranch& b : bsdf_.deltaSplit()) all.add({b.wi, b.weight, b.event, false});
     const bool schlick = s.fresnel == Settings::Fresnel::schlick && all.n > 0, mirror = s.glossy == Settings::Glossy::mirror;
     if (schlick || mirror) {
-        BsdfParameters p = surfaceParameters(scene, at);
+        BsdfParameters p = surfaceParameters(SlotReader(scene, at, wo, footprint), scene.material(at.material), at);
         if (s.transparency != Settings::Transparency::refractive) p.transmission = 0;
         const bool outside = dot(at.ng, wo) >= 0, rough = !smooth(p);
         TreeBranches more;
         if (mirror && rough) {
             p.roughness = 0;
+            if (p.clearcoat > 0 && sqr(p.clearcoatRoughness) < Lobes::smallestAlpha) p.clearcoat = 0; // among the branches already
             for (const DeltaBranch& b : Bsdf(p, at.ng, frontNormal(bsdf_, at, wo), wo).deltaSplit())
                 more.add({b.wi, b.weight, b.event == Event::SR ? Event::GR : Event::GT, true});
         }
         // The delta lobe of a rough closure is light that goes straight on: matched glass.
-        if (s.fresnel == Settings::Fresnel::schlick && !rough) bend(all, p, dot(bsdf_.normal(), wo), outside);
+        if (s.fresnel == Settings::Fresnel::schlick && !rough && !hasFurtherLobes(scene.material(at.material)))
+            bend(all, p, dot(bsdf_.normal(), wo), outside);
         for (const TreeBranch& b : more)
             if (!(b.event == Event::GT && all.n > 0)) all.add(b);
     }

@@ -19,7 +19,7 @@ struct TreeBranch {
     bool glossy = false; // of a rough lobe: the lamps have been answered for it already
 };
 struct TreeBranches {
-    static constexpr int most = 4;
+    static constexpr int most = 6;
     TreeBranch b[most];
     int n = 0;
     void add(const TreeBranch& branch) noexcept {
@@ -36,7 +36,7 @@ public:
     const Bsdf& bsdf() const noexcept { return bsdf_; }
     BsdfValue evaluate(const Vec3& wi, Terms) const noexcept;
     Spectrum diffuseAlbedo() const noexcept { return bsdf_.diffuseAlbedo() * diffuse_; }
-    TreeBranches branches(const WhittedSettings&, const Scene&, const SurfacePoint&, const Vec3& wo) const noexcept;
+    TreeBranches branches(const WhittedSettings&, const Scene&, const SurfacePoint&, const Vec3& wo, const Footprint&) const noexcept;
 
 private:
     Bsdf bsdf_;                        // of the surface without its transparency, where that is one of the older models

@@ -1,5 +1,6 @@
 #include "integrators/whitted_tree.h"
 #include "core/render/prepass.h"
+#include "core/scene/ray_cone.h"
 #include "integrators/transport.h"
 #include <algorithm>
 #include <new>
@@ -53,6 +54,7 @@ uint32_t WhittedTrees::run() noexcept {
             Visit& v = visits[others++];
             v.node = {};
             v.node.ray = start.ray;
+            v.node.footprint = cone(job_.scene, start.footprint);
             v.node.lambda = start.lambda;
             v.node.state = job_.classes.eye();
             v.hit = start.first;
@@ -137,8 +139,9 @@ void WhittedTrees::arrive(Visit& v) noexcept {
     if (!found(v, out)) return;
     if (!goesOn && out.log) out.log->end(v.node.depth >= job_.classes.maxDepth() ? "depth limit" : "no longer path is wanted");
     if (!goesOn && !first) return;
+    v.node.footprint = v.node.footprint.at(v.hit.t);
     const WhittedSurface& surface =
-        *::new (v.surface) WhittedSurface(settings_, job_.scene, v.at, -v.node.ray.d, starts_[v.tree].footprint, v.node.lambda);
+        *::new (v.surface) WhittedSurface(settings_, job_.scene, v.at, -v.node.ray.d, v.node.footprint, v.node.lambda);
     const Bsdf& bsdf = surface.bsdf();
     if (first) {
         out.aov(Aov::albedo, bsdf.albedo());
@@ -187,7 +190,7 @@ bool WhittedTrees::found(Visit& v, Outputs& out) noexcept {
 
 void WhittedTrees::branch(Visit& v, Outputs& out) noexcept {
     const Node& node = v.node;
-    for (const TreeBranch& b : v.closure().branches(settings_, job_.scene, v.at, -node.ray.d)) {
+    for (const TreeBranch& b : v.closure().branches(settings_, job_.scene, v.at, -node.ray.d, node.footprint)) {
         const PathState state = job_.classes.eye(node.state, b.event);
         if (!state) continue;
         const Spectrum throughput = node.throughput * b.weight;
@@ -202,6 +205,7 @@ void WhittedTrees::branch(Visit& v, Outputs& out) noexcept {
         }
         ++nodes_[v.tree];
         v.child[v.children++] = {.ray = v.at.towards(b.wi),
+                                 .footprint = scattered(job_.scene, v.at, node.footprint, -node.ray.d, b.wi, true, 1),
                                  .throughput = throughput,
                                  .weight = b.weight,
                                  .ng = v.at.ng,

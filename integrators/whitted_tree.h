@@ -34,6 +34,7 @@ private:
     static constexpr std::size_t width = 16, mostTrees = 256, mostPending = 48;
     struct Node {
         Ray ray;
+        Footprint footprint;               // where the ray begins; once it has arrived, there
         Spectrum throughput{1}, weight{1}; // to the eye; of the event that led here
         Vec3 ng;                           // of the surface that the ray leaves, and its material: what it may run inside of
         uint32_t material = PathLog::none; // none: a camera ray

@@ -1,6 +1,7 @@
 #include "io/gltf.h"
 #include "io/gltf_animation.h"
 #include "io/gltf_file.h"
+#include "io/gltf_nodes.h"
 #include <fmt/format.h>
 #include <new>
 
@@ -57,7 +58,11 @@ SceneDesc convert(const GltfFile& file, const GltfOptions& options, GltfContents
     scene.name = file.path.stem().string();
     scene.shutter = options.shutter;
     const Animations animations(file, options.animation);
-    if (found) found->animations = animations.info();
+    if (found) {
+        found->animations = animations.info();
+        for (const json& s : list(file, "scenes")) found->scenes.push_back(s.value("name", std::string()));
+        found->scene = sceneNumber(file, options.scene);
+    }
     Conversion to{file, options, animations, scene, {}, {}, {}, {}, {}};
     to.meshes.assign(list(file, "meshes").size(), -1);
     to.materials.assign(list(file, "materials").size(), -1);
@@ -71,7 +76,11 @@ SceneDesc convert(const GltfFile& file, const GltfOptions& options, GltfContents
     measureImages(to);
     if (options.admit) options.admit(to.sizes);
     decodeImages(to);
-    if (found) found->origin = std::move(to.origin);
+    if (found) {
+        takeInventory(to, found->inventory);
+        found->inventory.pictures = std::move(to.pictures);
+        found->origin = std::move(to.origin);
+    }
     return scene;
 }
 
@@ -82,6 +91,8 @@ SceneDesc readGltf(const std::filesystem::path& path, const GltfOptions& options
     file.path = path;
     file.name = path.string();
     file.notes = &notes;
+    file.run = options.run;
+    file.admission = options.admit;
     try {
         std::error_code absent; // reading says so
         if (const uintmax_t bytes = std::filesystem::file_size(path, absent); options.admit && !absent) options.admit({.fileBytes = bytes});
@@ -89,6 +100,7 @@ SceneDesc readGltf(const std::filesystem::path& path, const GltfOptions& options
         checkSchema(file);
         checkVersion(file);
         checkExtensions(file);
+        if (found) found->inventory.extensions = extensionsOf(file);
         loadBuffers(file);
         checkAccessors(file);
         checkNodes(file);

@@ -29,7 +29,7 @@ int widthOf(const std::string& type) {
     return found == widths.end() ? 0 : found->second;
 }
 
-// Columns of a matrix begin at multiples of 4 bytes (glTF 3.6.2.4). No matrix is ever read here, only its size is checked.
+// Columns of a matrix begin at multiples of 4 bytes (glTF 3.6.2.4). Values are read only of matrices of floats, which have no gaps.
 size_t elementSize(const Accessor& a) {
     const size_t size = componentSize(a.component);
     const size_t columns = a.type == "MAT2" ? 2 : a.type == "MAT3" ? 3 : a.type == "MAT4" ? 4 : 0;
@@ -113,11 +113,16 @@ uint32_t loadIndex(const std::byte* at, int component) {
 template <class Store> void applySparse(const GltfFile& file, size_t accessor, Store store) {
     const Accessor& a = file.accessors[accessor];
     const size_t indexSize = componentSize(a.sparse.component), size = elementSize(a);
+    uint32_t last = 0;
     for (size_t i = 0; i < a.sparse.count; ++i) {
         const uint32_t at = loadIndex(a.sparse.indices.data() + i * indexSize, a.sparse.component);
         if (at >= a.count)
             file.fail(fmt::format("/accessors/{}/sparse/indices", accessor),
                       fmt::format("names element {} of {}. Export the file again.", at, a.count));
+        if (i > 0 && at <= last)
+            file.fail(fmt::format("/accessors/{}/sparse/indices", accessor),
+                      fmt::format("names element {} after {}, must rise. Export the file again.", at, last));
+        last = at;
         store(at, a.sparse.values.data() + i * size);
     }
 }

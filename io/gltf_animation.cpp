@@ -10,7 +10,7 @@ using nlohmann::json;
 
 namespace {
 
-constexpr std::array<const char*, 3> paths = {"translation", "rotation", "scale"};
+constexpr std::array<const char*, 4> paths = {"translation", "rotation", "scale", "weights"};
 constexpr uint64_t freeNumbers = uint64_t(1) << 26; // of keys, whatever the size of the buffers
 
 double normOf(const std::array<double, 4>& q) { return std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]); }
@@ -58,33 +58,44 @@ std::vector<size_t> chosen(const GltfFile& file, const std::string& wanted) {
 
 } // namespace
 
+double Animations::Sampler::number(size_t key, size_t component, size_t part) const {
+    return double(values[(way == Way::cubic ? 3 * key + part : key) * width + component]);
+}
+
 std::array<double, 4> Animations::Sampler::value(size_t key, size_t part) const {
-    const float* v = &values[(way == Way::cubic ? 3 * key + part : key) * width];
-    return {double(v[0]), double(v[1]), double(v[2]), width == 4 ? double(v[3]) : 0};
+    std::array<double, 4> v{};
+    for (size_t i = 0; i < width; ++i) v[i] = number(key, i, part);
+    return v;
+}
+
+Animations::Sampler::Place Animations::Sampler::place(double seconds) const {
+    if (!(seconds > double(times.front()))) return {0, 0};
+    if (seconds >= double(times.back())) return {times.size() - 1, 0};
+    const auto after = std::upper_bound(times.begin(), times.end(), seconds, [](double s, float t) { return s < double(t); });
+    const size_t key = size_t(after - times.begin()) - 1;
+    return {key, way == Way::step ? 0 : (seconds - double(times[key])) / length(key)};
 }
 
 // glTF 2.0.1, appendix C.5: Hermite's cubic; tangents are per second.
-std::array<double, 4> Animations::Sampler::spline(size_t key, double seconds) const {
-    const double length = double(times[key + 1]) - double(times[key]), t = (seconds - double(times[key])) / length;
-    const double t2 = t * t, t3 = t2 * t;
-    const auto ends = mix(value(key), 2 * t3 - 3 * t2 + 1, value(key + 1), 3 * t2 - 2 * t3);
-    const auto slopes = mix(value(key, 2), length * (t3 - 2 * t2 + t), value(key + 1, 0), length * (t3 - t2));
-    const auto r = mix(ends, 1, slopes, 1);
-    return width == 4 && !(normOf(r) > 1e-6) ? value(key) : r;
+double Animations::Sampler::number(const Place& p, size_t component) const {
+    const double t = p.share, t2 = t * t, t3 = t2 * t;
+    if (t == 0) return number(p.key, component);
+    if (way == Way::linear) return number(p.key, component) * (1 - t) + number(p.key + 1, component) * t;
+    return number(p.key, component) * (2 * t3 - 3 * t2 + 1) + number(p.key + 1, component) * (3 * t2 - 2 * t3) +
+           length(p.key) * (number(p.key, component, 2) * (t3 - 2 * t2 + t) + number(p.key + 1, component, 0) * (t3 - t2));
 }
 
 std::array<double, 4> Animations::Sampler::at(double seconds) const {
-    if (!(seconds > double(times.front()))) return value(0);
-    if (seconds >= double(times.back())) return value(times.size() - 1);
-    const auto after = std::upper_bound(times.begin(), times.end(), seconds, [](double s, float t) { return s < double(t); });
-    const size_t key = size_t(after - times.begin()) - 1;
-    if (way == Way::step) return value(key);
-    if (way == Way::cubic) return spline(key, seconds);
-    const double f = (seconds - double(times[key])) / (double(times[key + 1]) - double(times[key]));
-    return width == 4 ? slerp(value(key), value(key + 1), f) : mix(value(key), 1 - f, value(key + 1), f);
+    const Place p = place(seconds);
+    if (p.share == 0) return value(p.key);
+    if (width == 4 && way == Way::linear) return slerp(value(p.key), value(p.key + 1), p.share);
+    std::array<double, 4> r{};
+    for (size_t i = 0; i < width; ++i) r[i] = number(p, i);
+    return width == 4 && !(normOf(r) > 1e-6) ? value(p.key) : r;
 }
 
-Animations::Sampler Animations::readSampler(const GltfFile& file, const std::string& place, const json& from, bool rotation) {
+Animations::Sampler Animations::readSampler(const GltfFile& file, const std::string& place, const json& from, Property property,
+                                            size_t width) {
     const size_t input = from["input"], output = from["output"];
     const Accessor &times = file.accessors[input], &values = file.accessors[output];
     const std::string interpolation = from.value("interpolation", std::string("LINEAR"));
@@ -93,19 +104,20 @@ Animations::Sampler Animations::readSampler(const GltfFile& file, const std::str
         file.fail(place + "/interpolation",
                   fmt::format("{} is none of LINEAR, STEP, CUBICSPLINE. Export the file again.", shown(interpolation)));
     s.way = interpolation == "STEP" ? Way::step : interpolation == "LINEAR" ? Way::linear : Way::cubic;
-    s.width = rotation ? 4 : 3;
+    s.width = width;
+    const bool morphs = property == weights;
     if (times.type != "SCALAR" || times.component != 5126)
         file.fail(place + "/input", "must be SCALAR of floats: times in seconds. Export the file again.");
-    if (values.type != (rotation ? "VEC4" : "VEC3"))
-        file.fail(place + "/output",
-                  fmt::format("has type {}, must be {}. Export the file again.", values.type, rotation ? "VEC4" : "VEC3"));
-    const size_t wanted = times.count * (s.way == Way::cubic ? 3 : 1);
+    const char* const type = morphs ? "SCALAR" : property == rotation ? "VEC4" : "VEC3";
+    if (values.type != type)
+        file.fail(place + "/output", fmt::format("has type {}, must be {}. Export the file again.", values.type, type));
+    const uint64_t wanted = uint64_t(times.count) * (s.way == Way::cubic ? 3 : 1) * (morphs ? width : 1);
     if (values.count != wanted)
-        file.fail(place + "/output",
-                  fmt::format("has {} elements, its {} times need {}. Export the file again.", values.count, times.count, wanted));
+        file.fail(place + "/output", fmt::format("has {} elements, its {} times{} need {}. Export the file again.", values.count,
+                                                 times.count, morphs ? fmt::format(" of {} morph targets", width) : "", wanted));
     uint64_t bytes = 0;
     for (const Bytes& buffer : file.buffers) bytes += buffer.size();
-    numbers_ += times.count + values.count * s.width;
+    numbers_ += times.count + values.count * (morphs ? 1 : width);
     if (numbers_ > freeNumbers + bytes)
         file.fail(place, fmt::format("brings the animations to {} numbers, more than {} bytes of buffers can mean. Export the file again.",
                                      numbers_, bytes));
@@ -118,40 +130,40 @@ Animations::Sampler Animations::readSampler(const GltfFile& file, const std::str
     for (size_t i = 0; i < s.values.size(); ++i)
         if (!(std::abs(s.values[i]) <= 1e18f))
             file.fail(place + "/output", fmt::format("number {} is {}. Mend the animation and export it again.", i, s.values[i]));
-    for (size_t key = 0; rotation && key < s.times.size(); ++key)
+    for (size_t key = 0; property == rotation && key < s.times.size(); ++key)
         if (!(normOf(s.value(key)) > 1e-6))
             file.fail(place + "/output", fmt::format("element {} is no quaternion. Export the file again.", key));
     return s;
 }
 
-void Animations::connect(const GltfFile& file, const std::string& place, const json& channel, std::vector<int>& read, size_t animation) {
+void Animations::connect(const GltfFile& file, const std::string& place, const json& channel, ReadSamplers& read, size_t animation) {
     const json& target = channel["target"];
     const std::string path = target["path"];
-    if (path == "weights") return file.warn("animates the weights of morph targets, which are not applied.");
     if (path == "pointer") return; // KHR_animation_pointer: the extension is named with those that are not applied
     const auto which = std::find(paths.begin(), paths.end(), path);
     if (which == paths.end()) return file.warn(fmt::format("animates {}, which is not applied.", shown(path)));
     if (!target.contains("node")) return file.warn("has animation channels without a target; they are not applied.");
     const size_t node = target["node"];
-    if (!file.model.nodes[node].matrix.empty())
+    const auto property = Property(which - paths.begin());
+    const size_t width = property == weights ? targetsOf(file, file.model.nodes[node].mesh) : property == rotation ? 4 : 3;
+    if (width == 0) return file.warn(fmt::format("animates morph targets of /nodes/{}, which has none.", node));
+    if (property != weights && !file.model.nodes[node].matrix.empty())
         return file.warn(fmt::format("/nodes/{} has a matrix; its animation is not applied.", node));
     const json& samplers = file.json["animations"][animation]["samplers"];
     const size_t sampler = channel["sampler"].get<size_t>();
     if (sampler >= samplers.size())
         file.fail(place + "/sampler",
                   fmt::format("is {}, but the animation has {} samplers. Export the file again.", sampler, samplers.size()));
-    int& mine = channels_[node][size_t(which - paths.begin())];
+    int& mine = channels_[node][property];
     if (mine >= 0) {
         twice_ = true;
         return;
     }
-    const bool rotation = path == "rotation";
-    if (read[sampler] >= 0 && (samplers_[size_t(read[sampler])].width == 4) == rotation) {
-        mine = read[sampler];
-        return;
-    }
-    samplers_.push_back(readSampler(file, fmt::format("/animations/{}/samplers/{}", animation, sampler), samplers[sampler], rotation));
-    mine = read[sampler] = int(samplers_.size()) - 1;
+    const auto [known, isNew] = read.try_emplace({sampler, property == weights, width}, int(samplers_.size()));
+    mine = known->second;
+    if (!isNew) return;
+    samplers_.push_back(
+        readSampler(file, fmt::format("/animations/{}/samplers/{}", animation, sampler), samplers[sampler], property, width));
     info_[animation].seconds = std::max(info_[animation].seconds, double(samplers_.back().times.back()));
 }
 
@@ -159,7 +171,7 @@ void Animations::play(const GltfFile& file, size_t animation) {
     const json& from = file.json["animations"][animation];
     info_[animation].used = true;
     info_[animation].seconds = 0;
-    std::vector<int> read(from["samplers"].size(), -1);
+    ReadSamplers read;
     for (size_t i = 0; i < from["channels"].size(); ++i)
         connect(file, fmt::format("/animations/{}/channels/{}", animation, i), from["channels"][i], read, animation);
 }
@@ -189,11 +201,18 @@ Animations::Animations(const GltfFile& file, const std::string& wanted) {
 
 void Animations::apply(size_t node, double seconds, Trs& trs) const {
     if (!moves(node)) return;
-    const auto [translation, rotation, scale] = channels_[node];
+    const auto at = [&](Property property) { return samplers_[size_t(channels_[node][property])].at(seconds); };
     const auto three = [](const std::array<double, 4>& v) { return std::array<double, 3>{v[0], v[1], v[2]}; };
-    if (translation >= 0) trs.translation = three(samplers_[size_t(translation)].at(seconds));
-    if (rotation >= 0) trs.rotation = samplers_[size_t(rotation)].at(seconds);
-    if (scale >= 0) trs.scale = three(samplers_[size_t(scale)].at(seconds));
+    if (channels_[node][translation] >= 0) trs.translation = three(at(translation));
+    if (channels_[node][rotation] >= 0) trs.rotation = at(rotation);
+    if (channels_[node][scale] >= 0) trs.scale = three(at(scale));
+}
+
+void Animations::apply(size_t node, double seconds, std::vector<double>& all) const {
+    if (!morphs(node)) return;
+    const Sampler& s = samplers_[size_t(channels_[node][weights])];
+    const Sampler::Place place = s.place(seconds);
+    for (size_t i = 0; i < std::min(all.size(), s.width); ++i) all[i] = s.number(place, i);
 }
 
 } // namespace chiaro::gltf

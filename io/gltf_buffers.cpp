@@ -1,4 +1,4 @@
-#include "io/gltf_file.h"
+#include "io/gltf_compressed.h"
 #include <fmt/format.h>
 
 namespace chiaro::gltf {
@@ -11,9 +11,7 @@ Bytes loadBuffer(GltfFile& file, const json& buffer, size_t index) {
     const std::string place = fmt::format("/buffers/{}", index);
     if (!buffer.contains("uri")) {
         if (index == 0 && file.hasBinary) return file.binary;
-        const json extensions = buffer.value("extensions", json::object());
-        if (extensions.contains("EXT_meshopt_compression") || extensions.contains("KHR_meshopt_compression"))
-            file.fail(place, fmt::format("holds only compressed data. Try: gltf-transform copy {} out.glb", file.name));
+        if (standsForPacked(buffer)) return {};
         file.fail(place, "has no \"uri\", and the file no binary chunk. Export it again.");
     }
     const std::string& uri = buffer["uri"].get_ref<const std::string&>();
@@ -42,6 +40,10 @@ void loadBuffers(GltfFile& file) {
     file.loaded.resize(buffers.size());
     for (size_t i = 0; i < buffers.size(); ++i) {
         const Bytes bytes = loadBuffer(file, buffers[i], i);
+        if (bytes.empty() && standsForPacked(buffers[i])) {
+            file.buffers.emplace_back();
+            continue;
+        }
         const uint64_t length = buffers[i]["byteLength"];
         if (length > bytes.size())
             file.fail(
@@ -49,6 +51,7 @@ void loadBuffers(GltfFile& file) {
                 fmt::format("says {} bytes, its data has {}. The data is truncated; download or export it again.", length, bytes.size()));
         file.buffers.push_back(bytes.first(length));
     }
+    unpackMeshopt(file);
     const json& views = list(file, "bufferViews");
     for (size_t i = 0; i < views.size(); ++i) {
         const uint64_t offset = views[i].value("byteOffset", uint64_t(0)), length = views[i]["byteLength"];
@@ -57,6 +60,7 @@ void loadBuffers(GltfFile& file) {
             file.fail(fmt::format("/bufferViews/{}", i), fmt::format("ends at byte {}, its buffer {} has {}. Export the file again.",
                                                                      offset + length, buffer, file.buffers[buffer].size()));
     }
+    unpackDraco(file);
 }
 
 Bytes bufferView(const GltfFile& file, size_t view) {

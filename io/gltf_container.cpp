@@ -7,6 +7,12 @@ namespace chiaro::gltf {
 void GltfFile::fail(const std::string& place, const std::string& what) const {
     throw Error(Exit::file, printable(place.empty() ? fmt::format("{}: {}", name, what) : fmt::format("{}: {} {}", name, place, what)));
 }
+void GltfFile::admit(uint64_t more) const {
+    if (!admission) return;
+    uint64_t bytes = content.size() + more;
+    for (const auto& l : loaded) bytes += l.size();
+    admission({.fileBytes = bytes});
+}
 void GltfFile::warn(const std::string& what) const { notes->warn(printable(fmt::format("{}: {}", name, what))); }
 
 namespace {

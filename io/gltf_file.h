@@ -1,12 +1,17 @@
 // Inside the glTF reader: a file taken apart and checked. What is in a GltfFile can be used without further thought about ranges: every
 // index points to something, every accessor lies inside its buffer, the node graph is a forest. Steps, each in a file of its own:
 // gltf_container (bytes -> JSON + binary chunk), gltf_schema (types, numbers, references), gltf_uri + gltf_buffers (bytes of the buffers),
+// gltf_compressed (what is packed becomes plain),
 // gltf_accessor (ranges, then values), gltf_animation (channels), gltf_nodes (graph, placement), gltf_path (motion), gltf_mesh,
-// gltf_primitive, gltf_material, gltf_images (conversion), gltf (the order).
+// gltf_primitive, gltf_material, gltf_images (conversion), gltf_inventory (what people are told), gltf (the order).
 #pragma once
 #include "io/file_bytes.h"
 #include "io/gltf.h"
+#include "io/gltf_path.h"
+#include "io/tangent_space.h"
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -43,8 +48,10 @@ struct GltfFile {
     std::filesystem::path path;
     std::string name; // the path as the user wrote it
     Diagnostics* notes = nullptr;
-    std::vector<std::byte> content; // the whole file
-    Bytes binary;                   // the BIN chunk of a .glb
+    const Executor* run = nullptr;
+    std::function<void(const SceneSizes&)> admission = {}; // GltfOptions::admit
+    std::vector<std::byte> content;                        // the whole file
+    Bytes binary;                                          // the BIN chunk of a .glb
     bool hasBinary = false;
     nlohmann::json json;
     std::vector<std::vector<std::byte>> loaded; // buffers that are not the BIN chunk
@@ -55,6 +62,7 @@ struct GltfFile {
     // Throws Error(Exit::file): "name: place problem". `what` holds problem and fix.
     [[noreturn]] void fail(const std::string& place, const std::string& what) const;
     void warn(const std::string& what) const;
+    void admit(uint64_t more) const; // bytes, beside those of the files; may throw
 };
 
 // container
@@ -62,7 +70,8 @@ void openContainer(GltfFile& file); // fills content, binary, json
 // schema
 void checkSchema(GltfFile& file); // JSON types, numbers, every reference
 // extensions
-void checkVersion(const GltfFile& file);    // Exit::unsupported unless glTF 2.0
+void checkVersion(const GltfFile& file); // Exit::unsupported unless glTF 2.0
+std::vector<GltfInventory::Extension> extensionsOf(const GltfFile& file);
 void checkExtensions(const GltfFile& file); // Exit::unsupported for required ones; one warning each for those not applied
 // uri
 std::optional<std::vector<std::byte>> decodeDataUri(std::string_view uri); // empty: malformed
@@ -71,8 +80,8 @@ bool isDataUri(std::string_view uri);
 std::filesystem::path resolveUri(const GltfFile& file, const std::string& place, const std::string& uri);
 // buffers
 const nlohmann::json& list(const GltfFile& file, const char* name); // a top-level array, or an empty one
-void loadBuffers(GltfFile& file);
-Bytes bufferView(const GltfFile& file, size_t view); // checked
+void loadBuffers(GltfFile& file);                                   // unpacked (io/gltf_compressed.h)
+Bytes bufferView(const GltfFile& file, size_t view);                // checked
 // accessor
 void checkAccessors(GltfFile& file);                                  // fills accessors
 std::vector<float> readFloats(const GltfFile& file, size_t accessor); // count x width; normalized integers mapped as glTF 3.6.2.2 says
@@ -87,6 +96,9 @@ struct ReadPrimitive {
     PrimitiveDesc desc;                // without its material
     std::vector<uint32_t> kept;        // numbers in the file of the vertices that were kept; empty: all
     std::vector<std::string> warnings; // for GltfFile::warn
+    // Of tangents that were made here, to make them again for another shape: how corners share them, and which of them each vertex has.
+    std::shared_ptr<const TangentSpace> tangentSpace;
+    std::vector<uint32_t> tangentGroup;
 };
 // What conversion has built so far: glTF index -> index in the description, -1 not yet used.
 struct Conversion {
@@ -102,6 +114,10 @@ struct Conversion {
     SceneSizes sizes = {};
     std::vector<int> sameAs = {};                        // of each mesh: the first that is the same
     std::map<int, std::vector<ReadPrimitive>> read = {}; // meshes whose primitives wait to be converted
+    std::set<int> reused = {};                           // of these: those that nodes deform, each in its own way
+    std::map<size_t, Path> joints = {};                  // the ways of all joints through the world
+    uint64_t shapeVertices = 0;                          // that skins and morph targets have made
+    std::vector<GltfInventory::Picture> pictures = {};   // of the description's images
     std::vector<size_t> imagesUsed = {};                 // of the file, in the order of the description
 };
 void convertNodes(Conversion& to); // after readMeshes; pictures are noted, not yet read
@@ -112,5 +128,7 @@ int convertMaterial(Conversion& to, int material);
 int convertImage(Conversion& to, int image);
 void measureImages(Conversion& to); // by their headers
 void decodeImages(Conversion& to);  // those that were noted, side by side
+// inventory
+void takeInventory(const Conversion& to, GltfInventory& into); // all but extensions and pictures
 
 } // namespace chiaro::gltf

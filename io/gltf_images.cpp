@@ -60,6 +60,7 @@ struct Decoded {
     std::string absent; // why grey stands in
     std::string place;
     size_t mended = 0;
+    GltfInventory::Picture picture = {};
 };
 
 // A texel that is no number would make every sample that looks at it none. How many there were.
@@ -83,13 +84,13 @@ Decoded decodeInto(ImageDesc& image, const Conversion& to, size_t number) {
         try {
             image = decodeImage(source.bytes, source.label);
             image.name = source.name;
-            return {{}, source.place, mendNumbers(image)};
+            return {{}, source.place, mendNumbers(image), {pictureFormat(source.bytes), source.bytes.size()}};
         } catch (const Error& e) { absent = reason(source, e); }
     }
     if (to.options.missingTexture == MissingTexture::error)
         to.file.fail(source.place, absent + ". Fix the path or pass --missing-texture grey");
     image = {"missing", 1, 1, 3, PixelType::u8, std::vector<std::byte>(3, std::byte(128))};
-    return {absent, source.place, 0};
+    return {absent, source.place};
 }
 
 // Bytes once decoded, by what the picture's own header says; 0 where it says nothing: decoding will tell why.
@@ -126,12 +127,15 @@ void decodeImages(Conversion& to) {
     to.scene.images.resize(results.size());
     inParallel(to.options.run, results.size(), [&](uint64_t i) { results[i] = decodeInto(to.scene.images[i], to, to.imagesUsed[i]); });
     for (const Decoded& d : results) {
+        to.pictures.push_back(d.picture);
         if (!d.absent.empty()) to.file.warn(fmt::format("{} {}; grey stands in.", d.place, d.absent));
         if (d.mended) to.file.warn(fmt::format("{} holds {} numbers that are not finite; they became 0.", d.place, d.mended));
     }
+    const auto drop = [&](TextureSlot& s) {
+        if (s.texture >= 0 && !results[size_t(to.scene.textures[size_t(s.texture)].image)].absent.empty()) s = {};
+    };
     for (MaterialDesc& m : to.scene.materials) // a grey stand-in is a colour, but no direction
-        if (const int t = m.normalTexture.texture; t >= 0 && !results[size_t(to.scene.textures[size_t(t)].image)].absent.empty())
-            m.normalTexture.texture = -1;
+        for (TextureSlot* s : {&m.normalTexture, &m.clearcoatNormalTexture, &m.anisotropyTexture}) drop(*s);
 }
 
 } // namespace chiaro::gltf

@@ -1,8 +1,8 @@
+#include "io/gltf_nodes.h"
 #include "core/scene/motion.h"
-#include "io/gltf_animation.h"
+#include "io/gltf_deform.h"
 #include "io/gltf_file.h"
 #include "io/gltf_path.h"
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <utility>
 
@@ -11,45 +11,6 @@ namespace chiaro::gltf {
 using nlohmann::json;
 
 namespace {
-
-Affine compose(const std::array<double, 3>& t, const std::array<double, 4>& quaternion, const std::array<double, 3>& s) {
-    const Eigen::Matrix3d r =
-        Eigen::Quaterniond(quaternion[3], quaternion[0], quaternion[1], quaternion[2]).normalized().toRotationMatrix();
-    Affine a;
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) a.m[i][j] = r(i, j) * s[size_t(j)];
-        a.m[i][3] = t[size_t(i)];
-    }
-    return a;
-}
-
-template <size_t N, class Numbers> std::array<double, N> numbers(const Numbers& from, std::array<double, N> otherwise, size_t at = 0) {
-    if (!from.empty())
-        for (size_t i = 0; i < N; ++i) otherwise[i] = double(from[at + i]);
-    return otherwise;
-}
-
-bool isRotation(const std::array<double, 4>& q) {
-    const double size = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    return size > 1e-12 && std::isfinite(size);
-}
-
-Affine localTransform(const GltfFile& file, size_t index, const Animations& animations, double seconds) {
-    const tinygltf::Node& node = file.model.nodes[index];
-    if (node.matrix.empty()) {
-        Trs trs{numbers<3>(node.translation, {0, 0, 0}), numbers<4>(node.rotation, {0, 0, 0, 1}), numbers<3>(node.scale, {1, 1, 1})};
-        animations.apply(index, seconds, trs);
-        if (!isRotation(trs.rotation)) file.fail(fmt::format("/nodes/{}/rotation", index), "is no quaternion. Export the file again.");
-        return compose(trs.translation, trs.rotation, trs.scale);
-    }
-    const auto& m = node.matrix; // column-major
-    if (std::abs(m[3]) > 1e-6 || std::abs(m[7]) > 1e-6 || std::abs(m[11]) > 1e-6 || std::abs(m[15] - 1) > 1e-6)
-        file.fail(fmt::format("/nodes/{}/matrix", index), "is not affine: its last row must be 0 0 0 1. Export the file again.");
-    Affine a;
-    for (size_t i = 0; i < 3; ++i)
-        for (size_t j = 0; j < 4; ++j) a.m[i][j] = m[j * 4 + i];
-    return a;
-}
 
 Vec3d column(const Affine& a, int j) { return {a.m[0][j], a.m[1][j], a.m[2][j]}; }
 
@@ -115,7 +76,8 @@ double radiusOf(Conversion& to, int mesh) {
     if (radius >= 0) return radius;
     radius = 0;
     for (const PrimitiveDesc& p : to.scene.meshes[size_t(mesh)].primitives)
-        for (const Vec3& v : p.positions) radius = std::max(radius, length(cast<double>(v)));
+        for (size_t step = 0; step <= p.steps.size(); ++step)
+            for (const Vec3& v : step == 0 ? p.positions : p.steps[step - 1].positions) radius = std::max(radius, length(cast<double>(v)));
     return radius;
 }
 
@@ -237,16 +199,24 @@ void addLight(Conversion& to, size_t index, const Path& path, const json& from, 
     to.scene.lights.push_back(std::move(light));
 }
 
+} // namespace
+
 void convertNode(Conversion& to, size_t index, const Path& path) {
     const GltfFile& file = to.file;
     const tinygltf::Node& node = file.model.nodes[index];
     const json& extensions = file.json["nodes"][index].value("extensions", json::object());
     if (node.mesh >= 0) {
-        const int mesh = convertMesh(to, node.mesh);
-        if (node.skin >= 0) file.warn("has skins, which are not applied: skinned meshes stand in their bind pose.");
-        if (to.scene.meshes[size_t(mesh)].primitives.empty()) {
+        const bool many = extensions.contains("EXT_mesh_gpu_instancing");
+        Deformation deformation = deformationOf(to, index);
+        if (many && std::exchange(deformation.skin, -1) >= 0)
+            file.warn(fmt::format("/nodes/{} has EXT_mesh_gpu_instancing and a skin; the skin is not applied.", index));
+        const DeformedMesh own = deformation ? convertDeformed(to, index, deformation, path) : DeformedMesh{convertMesh(to, node.mesh), {}};
+        const int mesh = own.mesh;
+        if (mesh < 0 || to.scene.meshes[size_t(mesh)].primitives.empty()) {
             // nothing to draw; the mesh said why
-        } else if (extensions.contains("EXT_mesh_gpu_instancing")) {
+        } else if (deformation.skin >= 0) {
+            addInstance(to, index, mesh, Path({own.place}), 0);
+        } else if (many) {
             addInstances(to, index, mesh, path, extensions["EXT_mesh_gpu_instancing"]["attributes"]);
         } else {
             addInstance(to, index, mesh, path, segments(to, index, path, radiusOf(to, mesh)));
@@ -260,111 +230,6 @@ void convertNode(Conversion& to, size_t index, const Path& path) {
         const size_t light = extensions["KHR_lights_punctual"]["light"];
         addLight(to, index, path, file.json["extensions"]["KHR_lights_punctual"]["lights"][light],
                  fmt::format("/extensions/KHR_lights_punctual/lights/{}", light));
-    }
-}
-
-// The scene's roots: of the default scene, else of the first; without any scene, all nodes that are no child.
-std::vector<size_t> roots(const GltfFile& file) {
-    const json &scenes = list(file, "scenes"), &nodes = list(file, "nodes");
-    std::vector<bool> child(nodes.size());
-    for (const auto& node : nodes)
-        if (node.contains("children"))
-            for (const auto& c : node["children"]) child[c.get<size_t>()] = true;
-    std::vector<size_t> found;
-    if (scenes.empty()) {
-        for (size_t i = 0; i < nodes.size(); ++i)
-            if (!child[i]) found.push_back(i);
-        return found;
-    }
-    const size_t scene = file.json.value("scene", size_t(0));
-    std::vector<bool> seen(nodes.size());
-    for (const auto& entry : scenes[scene].value("nodes", json::array())) {
-        const size_t node = entry;
-        if (seen[node] || child[node])
-            file.fail(fmt::format("/scenes/{}/nodes", scene), fmt::format("names node {}, which is {}. Export the file again.", node,
-                                                                          seen[node] ? "there twice" : "a child of another node"));
-        seen[node] = true;
-        found.push_back(node);
-    }
-    return found;
-}
-
-} // namespace
-
-void checkNodes(const GltfFile& file) {
-    const json& nodes = list(file, "nodes");
-    std::vector<size_t> parent(nodes.size(), nodes.size());
-    for (size_t i = 0; i < nodes.size(); ++i) {
-        if (!nodes[i].contains("children")) continue;
-        for (const auto& entry : nodes[i]["children"]) {
-            const size_t child = entry;
-            if (parent[child] != nodes.size())
-                file.fail(fmt::format("/nodes/{}/children", i),
-                          fmt::format("names node {}, which node {} has already: a node has one parent. Export the file again.", child,
-                                      parent[child]));
-            parent[child] = i;
-        }
-    }
-    // With one parent at most, what no root reaches is a cycle.
-    std::vector<std::pair<size_t, int>> open;
-    size_t reached = 0;
-    std::vector<bool> seen(nodes.size());
-    for (size_t i = 0; i < nodes.size(); ++i)
-        if (parent[i] == nodes.size()) open.emplace_back(i, 1);
-    while (!open.empty()) {
-        const auto [node, depth] = open.back();
-        open.pop_back();
-        seen[node] = true;
-        ++reached;
-        if (depth > maxNodeDepth)
-            file.fail(fmt::format("/nodes/{}", node),
-                      fmt::format("lies more than {} nodes deep. Flatten the hierarchy and export it again.", maxNodeDepth));
-        if (nodes[node].contains("children"))
-            for (const auto& child : nodes[node]["children"]) open.emplace_back(child.get<size_t>(), depth + 1);
-    }
-    for (size_t i = 0; reached < nodes.size() && i < nodes.size(); ++i)
-        if (!seen[i]) file.fail(fmt::format("/nodes/{}", i), "is its own ancestor. Export the file again.");
-}
-
-namespace {
-
-// Under a parent that moves or by its own animation, over the shutter; else as it is at the opening.
-Path pathOf(const Conversion& to, size_t index, const Path& parent) {
-    const Interval shutter = to.options.shutter;
-    const double open = to.options.frameTime + double(shutter.open), length = double(shutter.close) - double(shutter.open);
-    const auto local = [&](double seconds) { return localTransform(to.file, index, to.animations, seconds); };
-    if (!(length > 0) || (parent.rests() && !to.animations.moves(index))) return Path({parent.opening() * local(open)});
-    std::vector<Affine> maps;
-    for (size_t i = 0; i < Path::samples; ++i) maps.push_back(parent[i] * local(open + length * double(i) / double(Path::samples - 1)));
-    return Path(std::move(maps));
-}
-
-// Depth first, children in their order.
-std::vector<size_t> inOrder(const GltfFile& file, const std::vector<size_t>& first) {
-    std::vector<size_t> open(first.rbegin(), first.rend()), order;
-    while (!open.empty()) {
-        order.push_back(open.back());
-        open.pop_back();
-        const auto& children = file.model.nodes[order.back()].children;
-        open.insert(open.end(), children.rbegin(), children.rend());
-    }
-    return order;
-}
-
-} // namespace
-
-void convertNodes(Conversion& to) {
-    const std::vector<size_t> first = roots(to.file);
-    readMeshes(to, inOrder(to.file, first));
-    std::vector<std::pair<size_t, Path>> open;
-    for (auto it = first.rbegin(); it != first.rend(); ++it) open.emplace_back(*it, Path());
-    while (!open.empty()) { // depth first, children in their order
-        const auto [index, parent] = open.back();
-        open.pop_back();
-        const Path path = pathOf(to, index, parent);
-        convertNode(to, index, path);
-        const auto& children = to.file.model.nodes[index].children;
-        for (auto it = children.rbegin(); it != children.rend(); ++it) open.emplace_back(size_t(*it), path);
     }
 }
 

@@ -1,4 +1,5 @@
 #include "io/gltf_primitive.h"
+#include "io/gltf_needs.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -7,6 +8,8 @@
 namespace chiaro::gltf {
 
 namespace {
+
+constexpr int alwaysKept = 2; // UV sets that are kept whether a texture reads them or not: light is baked into one
 
 // One primitive on its way: where it stands, for messages, and how many vertices it has.
 struct Source {
@@ -172,9 +175,15 @@ std::vector<uint32_t> triangles(const Source& source) {
             file.fail(place, fmt::format("has type {} of component {}, must be SCALAR of 5121, 5123 or 5125. Export the file again.",
                                          a.type, a.component));
         v = readIndices(file, size_t(source.primitive.indices));
-        for (size_t i = 0; i < v.size(); ++i)
+        const uint32_t restart = a.component == 5121 ? 0xffu : a.component == 5123 ? 0xffffu : 0xffffffffu;
+        for (size_t i = 0; i < v.size(); ++i) {
+            if (v[i] == restart) // glTF 3.7.2.1
+                file.fail(place, fmt::format("element {} is {}, by which some programs restart a strip; glTF has no such thing. Export the "
+                                             "file with separate primitives.",
+                                             i, restart));
             if (v[i] >= source.vertices)
                 file.fail(place, fmt::format("element {} names vertex {} of {}. Export the file again.", i, v[i], source.vertices));
+        }
     } else {
         v.resize(source.vertices);
         for (size_t i = 0; i < v.size(); ++i) v[i] = uint32_t(i);
@@ -210,14 +219,50 @@ std::vector<uint32_t> dropUnusedVertices(PrimitiveDesc& p) {
     keep(p.positions, from, 1);
     keep(p.normals, from);
     keep(p.tangents, from);
-    keep(p.uv[0], from);
-    keep(p.uv[1], from);
+    for (auto& uv : p.uv) keep(uv, from);
     keep(p.colors, from);
     return from;
 }
 
+// Tangents where the material asks for them and the file has none. A vertex whose corners need several gets a copy for each but the first.
+void makeTangents(ReadPrimitive& read, int set) {
+    PrimitiveDesc& p = read.desc;
+    if (!p.tangents.empty() || p.uv[set].empty()) return;
+    auto space = std::make_shared<TangentSpace>(p.positions, p.normals, p.uv[set], p.indices);
+    constexpr uint32_t none = ~0u;
+    std::vector<uint32_t> from(p.positions.size()), group(p.positions.size(), none);
+    for (size_t v = 0; v < from.size(); ++v) from[v] = uint32_t(v);
+    std::map<std::pair<uint32_t, uint32_t>, uint32_t> copies; // of a vertex for a group
+    for (size_t c = 0; c < p.indices.size(); ++c) {
+        const uint32_t v = p.indices[c], g = space->group(c);
+        if (group[v] == none) group[v] = g;
+        if (group[v] == g) continue;
+        const auto [copy, isNew] = copies.try_emplace({v, g}, uint32_t(from.size()));
+        if (isNew) {
+            from.push_back(v);
+            group.push_back(g);
+        }
+        p.indices[c] = copy->second;
+    }
+    const std::vector<Vec4> tangents = space->tangents(p.positions, p.normals); // by the corners as they were
+    if (from.size() > p.positions.size()) {
+        keep(p.positions, from, 1);
+        keep(p.normals, from);
+        for (auto& uv : p.uv) keep(uv, from);
+        keep(p.colors, from);
+        if (read.kept.empty())
+            read.kept = from;
+        else
+            keep(read.kept, from);
+        space->renumber(p.indices);
+    }
+    for (const uint32_t g : group) p.tangents.push_back(tangents[g == none ? 0 : g]);
+    read.tangentSpace = std::move(space);
+    read.tangentGroup = std::move(group);
+}
+
 void warnUnknownAttributes(const Source& source) {
-    static const std::set<std::string> known = {"POSITION", "NORMAL", "TANGENT", "TEXCOORD_0", "TEXCOORD_1", "COLOR_0"};
+    static const std::set<std::string> known = {"POSITION", "NORMAL", "TANGENT", "COLOR_0"};
     for (const auto& [name, accessor] : source.primitive.attributes)
         if (!known.contains(name) && !name.starts_with("_") && !name.starts_with("TEXCOORD_") && !name.starts_with("JOINTS_") &&
             !name.starts_with("WEIGHTS_"))
@@ -234,24 +279,31 @@ ReadPrimitive readPrimitive(const GltfFile& file, const tinygltf::Primitive& pri
     source.vertices = p.positions.size();
     p.indices = triangles(source);
     readNormals(source, p);
-    readTangents(source, p);
-    for (int set = 0; set < 2; ++set) p.uv[set] = texCoords(source, set);
+    if (!p.normals.empty()) readTangents(source, p); // flat normals come with tangents of their own (glTF 3.7.2.1)
+    const VertexNeeds needs = needsOf(file, primitive.material);
+    for (int set = 0; set < uvSets; ++set)
+        if (set < alwaysKept || needs.uv[size_t(set)]) p.uv[set] = texCoords(source, set);
     p.colors = colors(source);
     warnUnknownAttributes(source);
     if (p.indices.empty())
         source.warn(fmt::format("{} has no triangle.", place));
     else
         read.kept = dropUnusedVertices(p);
+    if (needs.frame) makeTangents(read, *needs.frame);
     return read;
 }
 
-size_t vertexBytes(const tinygltf::Primitive& primitive) {
-    static constexpr std::pair<const char*, size_t> kept[] = {{"POSITION", sizeof(Vec3)},     {"NORMAL", sizeof(Vec3)},
-                                                              {"TANGENT", sizeof(Vec4)},      {"TEXCOORD_0", sizeof(Point2)},
-                                                              {"TEXCOORD_1", sizeof(Point2)}, {"COLOR_0", sizeof(Vec4)}};
+size_t vertexBytes(const GltfFile& file, const tinygltf::Primitive& primitive) {
+    static constexpr std::pair<const char*, size_t> kept[] = {
+        {"POSITION", sizeof(Vec3)}, {"NORMAL", sizeof(Vec3)}, {"TANGENT", sizeof(Vec4)}, {"COLOR_0", sizeof(Vec4)}};
+    const auto has = [&](const std::string& name) { return primitive.attributes.contains(name); };
+    const VertexNeeds needs = needsOf(file, primitive.material);
     size_t sum = 0;
     for (const auto& [name, bytes] : kept)
-        if (primitive.attributes.contains(name)) sum += bytes;
+        if (has(name)) sum += bytes;
+    for (int set = 0; set < uvSets; ++set)
+        if (has(fmt::format("TEXCOORD_{}", set)) && (set < alwaysKept || needs.uv[size_t(set)])) sum += sizeof(Point2);
+    if (needs.frame && !has("TANGENT") && has(fmt::format("TEXCOORD_{}", *needs.frame))) sum += sizeof(Vec4);
     return sum;
 }
 

@@ -10,6 +10,6 @@ namespace chiaro::gltf {
 ReadPrimitive readPrimitive(const GltfFile&, const tinygltf::Primitive&, const std::string& place);
 
 // Bytes of a vertex of it in memory.
-size_t vertexBytes(const tinygltf::Primitive&);
+size_t vertexBytes(const GltfFile&, const tinygltf::Primitive&);
 
 } // namespace chiaro::gltf

@@ -21,7 +21,8 @@ struct GltfDocument::Content {
 };
 
 namespace gltf {
-std::string mimeOf(std::span<const std::byte>); // of a picture; empty: unknown
+nlohmann::json materialOf(GltfDocument::Content& to, const MaterialDesc&); // notes the extensions that it uses
+std::string mimeOf(std::span<const std::byte>);                            // of a picture; empty: unknown
 constexpr int arrayBuffer = 34962, elementArrayBuffer = 34963, floatNumber = 5126, uintNumber = 5125;
 } // namespace gltf
 

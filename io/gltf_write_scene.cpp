@@ -1,6 +1,5 @@
 // A description as a glTF document: what the built-in scenes are written from.
 #include "io/gltf_write_content.h"
-#include <cmath>
 #include <fmt/format.h>
 
 namespace chiaro {
@@ -30,8 +29,6 @@ private:
         to_.json["scenes"][0]["nodes"].push_back(to_.append("nodes", std::move(node)));
     }
     json primitiveOf(const PrimitiveDesc&);
-    json materialOf(const MaterialDesc&);
-    json slotOf(const TextureSlot&);
     json lightOf(const PunctualDesc&);
     json cameraOf(const CameraDesc&);
     void addTextures();
@@ -56,69 +53,12 @@ json Describer::primitiveOf(const PrimitiveDesc& p) {
     attributes["POSITION"] = at;
     if (!p.normals.empty()) attributes["NORMAL"] = attribute(p.normals, "VEC3");
     if (!p.tangents.empty()) attributes["TANGENT"] = attribute(p.tangents, "VEC4");
-    for (std::size_t k = 0; k < 2; ++k)
+    for (std::size_t k = 0; k < uvSets; ++k)
         if (!p.uv[k].empty()) attributes[fmt::format("TEXCOORD_{}", k)] = attribute(p.uv[k], "VEC2");
     if (!p.colors.empty()) attributes["COLOR_0"] = attribute(p.colors, "VEC4");
     json out{{"attributes", std::move(attributes)}};
     out["indices"] = to_.addAccessor(p.indices.data(), p.indices.size(), uintNumber, "SCALAR", 4, elementArrayBuffer);
     if (p.material >= 0) out["material"] = p.material;
-    return out;
-}
-
-// KHR_texture_transform from the affine map: scale, then rotation, then offset.
-json Describer::slotOf(const TextureSlot& s) {
-    json out{{"index", s.texture}};
-    if (s.uvSet != 0) out["texCoord"] = s.uvSet;
-    const auto& m = s.transform;
-    if (m[0][0] == 1 && m[0][1] == 0 && m[0][2] == 0 && m[1][0] == 0 && m[1][1] == 1 && m[1][2] == 0) return out;
-    const double sx = std::hypot(m[0][0], m[1][0]), angle = std::atan2(-double(m[1][0]), double(m[0][0]));
-    const double sy = std::cos(angle) * double(m[1][1]) + std::sin(angle) * double(m[0][1]);
-    out["extensions"]["KHR_texture_transform"] = {{"offset", {m[0][2], m[1][2]}}, {"rotation", angle}, {"scale", {sx, sy}}};
-    to_.use("KHR_texture_transform");
-    return out;
-}
-
-json Describer::materialOf(const MaterialDesc& m) {
-    json out{{"name", m.name}}, pbr, extensions;
-    pbr["baseColorFactor"] = {m.baseColor[0], m.baseColor[1], m.baseColor[2], m.alpha};
-    pbr["metallicFactor"] = m.metallic;
-    pbr["roughnessFactor"] = m.roughness;
-    const auto slot = [&](json& holder, const char* key, const TextureSlot& s) {
-        if (s.texture >= 0) holder[key] = slotOf(s);
-    };
-    slot(pbr, "baseColorTexture", m.baseColorTexture);
-    slot(pbr, "metallicRoughnessTexture", m.metallicRoughnessTexture);
-    out["pbrMetallicRoughness"] = std::move(pbr);
-    slot(out, "normalTexture", m.normalTexture);
-    if (out.contains("normalTexture")) out["normalTexture"]["scale"] = m.normalScale;
-    if (const float strongest = maxComponent(m.emission); strongest > 0) {
-        out["emissiveFactor"] = numbersOf(m.emission * (1 / std::max(strongest, 1.f)));
-        if (strongest > 1) extensions["KHR_materials_emissive_strength"]["emissiveStrength"] = strongest;
-        slot(out, "emissiveTexture", m.emissionTexture);
-    }
-    if (m.alphaMode != AlphaMode::opaque) out["alphaMode"] = m.alphaMode == AlphaMode::mask ? "MASK" : "BLEND";
-    if (m.alphaMode == AlphaMode::mask) out["alphaCutoff"] = m.alphaCutoff;
-    if (m.doubleSided) out["doubleSided"] = true;
-    if (m.unlit) extensions["KHR_materials_unlit"] = json::object();
-    if (m.ior != 1.5f) extensions["KHR_materials_ior"]["ior"] = m.ior;
-    if (m.specular != 1 || !(m.specularColor == Spectrum(1)) || m.specularTexture.texture >= 0 || m.specularColorTexture.texture >= 0) {
-        json& s = extensions["KHR_materials_specular"];
-        s = {{"specularFactor", m.specular}, {"specularColorFactor", numbersOf(m.specularColor)}};
-        slot(s, "specularTexture", m.specularTexture);
-        slot(s, "specularColorTexture", m.specularColorTexture);
-    }
-    if (m.transmission > 0) {
-        json& t = extensions["KHR_materials_transmission"];
-        t["transmissionFactor"] = m.transmission;
-        slot(t, "transmissionTexture", m.transmissionTexture);
-    }
-    if (m.volume) {
-        json& v = extensions["KHR_materials_volume"];
-        v = {{"thicknessFactor", 1}, {"attenuationColor", numbersOf(m.attenuationColor)}};
-        if (std::isfinite(m.attenuationDistance)) v["attenuationDistance"] = m.attenuationDistance;
-    }
-    for (const auto& [name, body] : extensions.items()) to_.use(name);
-    if (!extensions.empty()) out["extensions"] = std::move(extensions);
     return out;
 }
 
@@ -160,7 +100,7 @@ void Describer::run() {
     to_.json = {
         {"asset", {{"version", "2.0"}}}, {"scene", 0}, {"scenes", json::array({{{"name", scene_.name}, {"nodes", json::array()}}})}};
     addTextures();
-    for (const MaterialDesc& m : scene_.materials) to_.append("materials", materialOf(m));
+    for (const MaterialDesc& m : scene_.materials) to_.append("materials", materialOf(to_, m));
     for (const MeshDesc& m : scene_.meshes) {
         json mesh{{"name", m.name}, {"primitives", json::array()}};
         std::vector<GltfOrigin::Primitive>& parts = to_.origin.meshes.emplace_back();

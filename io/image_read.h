@@ -12,7 +12,8 @@
 namespace chiaro {
 
 ImageDesc readImage(const std::filesystem::path& file);
-// From memory; the format is found by content (PNG, JPEG, WebP, TIFF, OpenEXR, HDR, ...). `name` is for messages and ImageDesc::name.
+// From memory; the format is found by content (PNG, JPEG, WebP, OpenEXR, HDR, TIFF, BMP; TGA by its name). `name` is for messages and
+// ImageDesc::name.
 ImageDesc decodeImage(std::span<const std::byte> bytes, const std::string& name);
 
 // What a picture will be once decoded, by its header alone.
@@ -22,6 +23,8 @@ struct PictureSize {
 };
 PictureSize pictureSize(std::span<const std::byte> bytes, const std::string& name);
 PictureSize pictureSize(const std::filesystem::path& file);
+std::string pictureFormat(std::span<const std::byte> bytes);             // "PNG", "OpenEXR", ..., for people; empty: unknown
+[[noreturn]] void undecodable(const std::string& name, std::string why); // the error of all of these
 
 // A latitude-longitude picture as linear f32 RGB radiance: EXR and HDR as they are, 8 and 16 bit pictures decoded from sRGB.
 // Texels that are not finite or negative (no radiance is) become 0; one warning says how many.

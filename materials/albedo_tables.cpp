@@ -2,8 +2,8 @@
 #include "core/math/lanes.h"
 #include "materials/albedo_columns.h"
 #include "materials/fresnel.h"
+#include "materials/gauss.h"
 #include "materials/microfacet.h"
-#include <vector>
 
 namespace chiaro {
 namespace {
@@ -28,28 +28,6 @@ template <class T> T shape(T cosTheta, float ior) noexcept { return ior == 0 ? s
 float guess(float mu, float alpha, float ior) noexcept {
     return std::max(1 - shape(std::min(1.f, std::sqrt(mu * mu + 2 * alpha * alpha)), ior), 1e-6f);
 }
-
-// Nodes and weights of Gauss-Legendre quadrature on [0, 1] (Newton on the Legendre recurrence).
-struct Gauss {
-    std::vector<float> x, w;
-    explicit Gauss(int n) : x(std::size_t(n)), w(std::size_t(n)) {
-        for (int i = 0; i < n; ++i) {
-            double z = std::cos(std::numbers::pi * (i + 0.75) / (n + 0.5)), slope = 1;
-            for (int k = 0; k < 20; ++k) {
-                double p = 1, before = 0;
-                for (int j = 0; j < n; ++j) {
-                    const double next = ((2 * j + 1) * z * p - j * before) / (j + 1);
-                    before = p;
-                    p = next;
-                }
-                slope = n * (z * p - before) / (z * z - 1);
-                z -= p / slope;
-            }
-            x[std::size_t(i)] = float((1 - z) / 2);
-            w[std::size_t(i)] = float(1 / ((1 - z * z) * slope * slope));
-        }
-    }
-};
 
 struct Tables {
     float cells[rows][columns][slots];
@@ -171,6 +149,16 @@ LayerAlbedo AlbedoSlice::at(float mu) const noexcept {
     const float one = lerp(lerp(a[0], a[slots], f), lerp(b[0], b[slots], f), rowFraction_);
     const float q = lerp(lerp(ratio(a), ratio(a + slots), f), lerp(ratio(b), ratio(b + slots), f), rowFraction_);
     return raised({one, one * std::min(1.f, 1 - q * guess(mu, alpha_, ior_))});
+}
+
+float AlbedoSlice::one(float mu) const noexcept {
+    if (alpha_ == 0) return 1;
+    const float x = std::min(columnOf(mu, alpha_), 1.f) * (columns - 1);
+    const int c = std::min(int(x), columns - 2);
+    const float f = x - float(c);
+    const auto* const a = tables().cells[row_][c];
+    const auto* const b = tables().cells[row_ + 1][c];
+    return std::min(lerp(lerp(a[0], a[slots], f), lerp(b[0], b[slots], f), rowFraction_) + margin, 1.f);
 }
 
 LayerAlbedo AlbedoSlice::average() const noexcept { return average_; }

@@ -23,6 +23,7 @@ public:
     AlbedoSlice(float alpha, float ior) noexcept;
     LayerAlbedo at(float mu) const noexcept; // mu: cosine of the direction, (0, 1]
     LayerAlbedo average() const noexcept;    // 2 times the integral of at(mu) mu
+    float one(float mu) const noexcept;      // of at()
     // The part of the tables that at() reads, over the cosine alone; alpha and ior above 0.
     void fill(AlbedoColumns&) const noexcept;
 

@@ -15,22 +15,49 @@ Vec3 facing(const Vec3& ns, const Vec3& ng, const Vec3& wo) noexcept {
     return normalize(across * (std::sqrt(1 - need * need) / l) + wo * need);
 }
 
+// Exact where it is the frame's own normal: such a coat mirrors where its base does.
+Vec3 coatIn(const Frame& frame, const Vec3& coat) noexcept { return coat == frame.z ? Vec3{0, 0, 1} : frame.toLocal(coat); }
+
 } // namespace
 
-Bsdf::Bsdf(const BsdfParameters& parameters, const Vec3& ng, const Vec3& ns, const Vec3& wo, Transport transport) noexcept {
-    const bool outside = dot(ng, wo) >= 0 || fault(Fault::backNormalKept);
-    ng_ = outside ? ng : -ng;
-    Vec3 n = outside ? ns : -ns;
-    if (!(n == ng_)) {
-        if (transport == Transport::importance) {
-            adjoint_ = Adjoint{parameters, n, wo, outside};
-            if (dot(n, wo) <= 0) n = ng_; // light from below the horizon of ns is seen only where a camera path bends ns
+Bsdf::Pose::Pose(const BsdfParameters& p, const Vec3& geometric, const Vec3& shading, const Vec3& wo, Transport transport) noexcept
+    : outside(dot(geometric, wo) >= 0 || fault(Fault::backNormalKept)) {
+    const float side = outside ? 1.f : -1.f;
+    ng = outside ? geometric : -geometric;
+    n = ns = outside ? shading : -shading;
+    const bool ownCoat = p.clearcoat > 0 && lengthSquared(p.clearcoatNormal) > 0;
+    if (ownCoat) coat = p.clearcoatNormal * side;
+    if (!(n == ng)) {
+        adjoint = transport == Transport::importance;
+        if (adjoint) {
+            if (dot(n, wo) <= 0) n = ng; // light from below the horizon of ns is seen only where a camera path bends ns
         } else {
-            n = facing(n, ng_, wo);
+            n = facing(n, ng, wo);
+            if (ownCoat) coat = facing(coat, ng, wo);
         }
     }
-    frame_ = Frame::about(n);
-    lobes_ = Lobes(parameters, frame_.toLocal(wo), outside, transport);
+    if (!ownCoat) coat = n;
+}
+
+Bsdf::Bsdf(const BsdfParameters& parameters, const Vec3& ng, const Vec3& ns, const Vec3& wo, Transport transport) noexcept
+    : Bsdf(parameters, Pose(parameters, ng, ns, wo, transport), wo, transport) {}
+
+Bsdf::Bsdf(const BsdfParameters& parameters, const Pose& pose, const Vec3& wo, Transport transport) noexcept
+    : frame_(frameAbout(pose.n, parameters)), ng_(pose.ng),
+      lobes_(parameters, frame_.toLocal(wo), coatIn(frame_, pose.coat), pose.outside, transport) {
+    if (pose.adjoint) adjoint_ = Adjoint{parameters, pose.ns, pose.coat, wo, pose.outside};
+}
+
+// x along the brush where there is one.
+Frame Bsdf::frameAbout(const Vec3& n, const BsdfParameters& p) noexcept {
+    if (p.anisotropy > 0) [[unlikely]] {
+        const Vec3 t = p.tangent - n * dot(n, p.tangent);
+        if (const float l = length(t); l > 1e-6f) {
+            const Vec3 x = t * (1 / l);
+            return {x, cross(n, x), n};
+        }
+    }
+    return Frame::about(n);
 }
 
 // Reflection stays on the geometric side of wo and transmission leaves it: no light leaks through a smooth-shaded wall.
@@ -46,11 +73,11 @@ BsdfValue valueOf(const LobeValue& v, float scale, bool reflected, Terms terms) 
     value.pdfW = v.pdfW;
     value.pdfReverseW = v.pdfReverseW;
     const Spectrum d = v.diffuse * scale, g = v.glossy * scale;
-    const Event glossy = reflected ? Event::GR : Event::GT;
+    const Event diffuse = reflected ? Event::DR : Event::DT, glossy = reflected ? Event::GR : Event::GT;
     if (terms == Terms::together || black(g) || black(d)) {
-        value.terms[value.n++] = {d + g, luminance(g) > luminance(d) ? glossy : Event::DR};
+        value.terms[value.n++] = {d + g, luminance(g) > luminance(d) ? glossy : diffuse};
     } else {
-        value.terms[value.n++] = {d, Event::DR};
+        value.terms[value.n++] = {d, diffuse};
         value.terms[value.n++] = {g, glossy};
     }
     return value;
@@ -82,12 +109,14 @@ BsdfValue Bsdf::evaluateAdjoint(const Vec3& wi, Terms terms) const noexcept {
     const float o = dot(a.wo, n);
     if (!(o > 0)) return {};
     const Vec3 local = frame_.toLocal(wi);
-    const bool same = n == frame_.z, drawn = local.z * side > 0;
+    const bool ownCoat = a.parameters.clearcoat > 0 && lengthSquared(a.parameters.clearcoatNormal) > 0;
+    const Vec3 coat = ownCoat ? facing(a.coat * side, ng_ * side, wi) * side : n;
+    const bool same = n == frame_.z && (!ownCoat || coat == a.coat), drawn = local.z * side > 0;
     LobeValue v = lobes_.evaluate(drawn ? local : frame_.toLocal(swapped(wi)));
     if (!same) {
-        const Frame frame = Frame::about(n);
+        const Frame frame = frameAbout(n, a.parameters);
         const float pdfW = v.pdfW;
-        v = Lobes(a.parameters, frame.toLocal(a.wo), a.outside, Transport::importance).evaluate(frame.toLocal(wi));
+        v = LobeStack(a.parameters, frame.toLocal(a.wo), coatIn(frame, coat), a.outside, Transport::importance).evaluate(frame.toLocal(wi));
         v.pdfW = pdfW;
     }
     const float scale =
@@ -118,9 +147,9 @@ std::optional<BsdfSample> Bsdf::sampleAdjoint(const LobeSample& s) const noexcep
 std::optional<BsdfSample> Bsdf::sample(float uLobe, Point2 u) const noexcept {
     const std::optional<LobeSample> s = lobes_.sample(uLobe, u);
     if (!s) return {};
-    const bool delta = s->event == Event::SR || s->event == Event::ST;
+    const bool delta = s->delta();
     if (adjoint_ && !delta) return sampleAdjoint(*s);
-    BsdfSample r{frame_.toWorld(s->wi), s->weight, s->pmf, s->pmfReverse, true, s->event};
+    BsdfSample r{frame_.toWorld(s->wi), s->weight, s->pmf, s->pmfReverse, true, s->event, {s->wavelength}};
     if (!sides(r.wi, s->wi)) return {};
     if (delta) {
         if (adjoint_ && !(adjoint_->ns == frame_.z)) return {};
@@ -139,11 +168,10 @@ std::optional<BsdfSample> Bsdf::sample(float uLobe, Point2 u) const noexcept {
 DeltaBranches Bsdf::deltaSplit() const noexcept {
     DeltaBranches branches;
     if (adjoint_ && !(adjoint_->ns == frame_.z)) return branches;
-    for (const LobeSample& s : {lobes_.mirror(), lobes_.passed()}) {
-        if (black(s.weight)) continue;
+    lobes_.forEachDelta([&](const LobeSample& s) {
         const Vec3 wi = frame_.toWorld(s.wi);
         if (sides(wi, s.wi)) branches.b[branches.n++] = {wi, s.weight * correction(wi), s.event};
-    }
+    });
     return branches;
 }
 
@@ -151,6 +179,6 @@ bool Bsdf::smooth() const noexcept { return lobes_.smooth(); }
 Spectrum Bsdf::albedo() const noexcept { return lobes_.albedo(); }
 Spectrum Bsdf::diffuseAlbedo() const noexcept { return lobes_.diffuseAlbedo(); }
 
-static_assert(sizeof(Bsdf) <= 384);
+static_assert(sizeof(Bsdf) <= 1536); // on the stack; plain closures touch little of it
 
 } // namespace chiaro

@@ -8,11 +8,15 @@
 // Transport::radiance a transmitted f is that of the basic radiance's camera side (eta squared, Veach 1997 section 5.2); shading-normal
 // corrections (Veach 1997, section 5.3) live here too, so that no integrator can forget them: where importance travels, f is that of the
 // camera path which takes the same way backwards, times |wo.ns| |wi.ng| / (|wo.ng| |wi.normal()|).
+//
+// Where smooth glass disperses, a refracted sample has picked a wavelength: its weight has one channel left, and shade() at the next hits
+// wants to know it (BsdfSample::lambda). Whoever forgets it stays unbiased, but the next refraction picks again. deltaSplit() lists one
+// branch for each channel, at the middle of its band, with the weight of that channel alone: no dice, three colours for a rainbow.
 #pragma once
 #include "core/math/ray.h"
 #include "core/render/events.h"
 #include "core/scene/scene.h"
-#include "materials/lobes.h"
+#include "materials/layers.h"
 #include <optional>
 
 namespace chiaro {
@@ -38,6 +42,9 @@ struct BsdfSample {
     float pdfW = 0, pdfReverseW = 0; // of a delta lobe: the pmf of choosing it
     bool delta = false;
     Event event = Event::DR;
+    Wavelengths lambda = {}; // of a refraction that picked one; else none
+    // What the path carries on.
+    Wavelengths after(const Wavelengths& before) const noexcept { return lambda.hero > 0 ? lambda : before; }
 };
 struct DeltaBranch {
     Vec3 wi;
@@ -45,7 +52,7 @@ struct DeltaBranch {
     Event event = Event::SR;
 };
 struct DeltaBranches {
-    DeltaBranch b[2];
+    DeltaBranch b[5]; // two mirrors, and a refraction for each channel
     int n = 0;
     const DeltaBranch* begin() const noexcept { return b; }
     const DeltaBranch* end() const noexcept { return b + n; }
@@ -68,9 +75,17 @@ private:
     // Importance over a shading normal that is not the geometric one: what the closure of the camera path that comes along wi is made from.
     struct Adjoint {
         BsdfParameters parameters;
-        Vec3 ns, wo; // ns on the side of wo by the geometric normal
+        Vec3 ns, coat, wo; // ns and the coat's normal on the side of wo by the geometric normal
         bool outside = true;
     };
+    // Which normals the closure uses, on the side of wo.
+    struct Pose {
+        Vec3 ng, n, coat, ns;
+        bool outside = true, adjoint = false;
+        Pose(const BsdfParameters&, const Vec3& ng, const Vec3& ns, const Vec3& wo, Transport) noexcept;
+    };
+    Bsdf(const BsdfParameters&, const Pose&, const Vec3& wo, Transport) noexcept;
+    static Frame frameAbout(const Vec3& n, const BsdfParameters&) noexcept;
     bool sides(const Vec3& wi, const Vec3& local) const noexcept;
     BsdfValue evaluateAdjoint(const Vec3& wi, Terms) const noexcept;
     std::optional<BsdfSample> sampleAdjoint(const LobeSample&) const noexcept;
@@ -80,7 +95,7 @@ private:
     Frame frame_; // about the shading normal, z on the side of wo
     Vec3 ng_;     // on the side of wo
     std::optional<Adjoint> adjoint_;
-    Lobes lobes_;
+    LobeStack lobes_;
 };
 
 // The closure at a hit: textures read, normal map applied, back faces turned. footprint: of the ray that came.

@@ -11,4 +11,8 @@ class SlotReader;
 BsdfParameters surfaceParameters(const Scene&, const SurfacePoint&) noexcept;
 BsdfParameters surfaceParameters(const SlotReader&, const MaterialDesc&, const SurfacePoint&) noexcept;
 
+// Has it lobes beyond metal, coated diffuse and glass of one index: a layer on top, a brush, a film, parted colours, light through a leaf,
+// a reflectance of its own? Loops over lanes and tables of plain materials leave such to the closure.
+bool hasFurtherLobes(const MaterialDesc&) noexcept;
+
 } // namespace chiaro

@@ -4,6 +4,7 @@
 #pragma once
 #include "core/math/wide_lanes.h"
 #include "materials/fresnel.h"
+#include "materials/lobe_weights.h"
 #include "materials/microfacet.h"
 #include "materials/wide_materials.h"
 
@@ -23,9 +24,11 @@ struct WideLobeSample {
 
 struct WideLobes {
     Mask lanes, rough, reflects, straight, refracted, thin, diffuse, coated, outside, glossy; // glossy: rough and reflects
+    Mask later;                                                                               // metal whose facets light each other
     Float alpha, ior, metallic, f90, coat, glass;
-    Rgbw baseColor, f0, openO, openAverage, diffuseColor;
-    Float diffuseO;
+    Rgbw baseColor, f0, openO, openAverage, diffuseColor, laterColor; // laterColor: of L(wo) L(wi)
+    Float diffuseO;                                                   // chance of the cosine lobes: diffuse, and what later facets send
+    Float laterAverage, lossO;                                        // mean albedo of a white facet; 1 - that seen from wo
     Vec3w wo;
     const float* columns;
     Int column;
@@ -53,9 +56,17 @@ struct WideLobes {
         thin = has(WideMaterial::thin);
         coated = has(WideMaterial::dielectric); // for the moment
         glossy = rough & reflects;
+        later = has(WideMaterial::compensated);
+        laterAverage = Float(1.f);
+        if (any(later)) {
+            Float unused[3];
+            loadFour(records + 20, at, laterAverage, unused[0], unused[1], unused[2]);
+        }
         columns = albedos;
         return flags;
     }
+    // Where no lane has a lobe beside its diffuse base: then the compiler knows it too.
+    CHIARO_LANE void diffuseAlone() noexcept { rough = reflects = straight = refracted = thin = coated = glossy = later = Mask(); }
     // With the base colour as it is now. record: of column in WideMaterial.
     CHIARO_LANE void look(const Vec3w& woLocal, Mask outsideLanes, Int albedo) noexcept {
         wo = {woLocal.x, woLocal.y, max(woLocal.z, Float(1e-7f))};
@@ -65,17 +76,34 @@ struct WideLobes {
         diffuse = lanes & notBlack(diffuseColor);
         coated = coated & diffuse;
         openO = Rgbw(Float(1.f));
-        if (any(coated)) openO = select(coated, open(albedoAt(wo.z, coated)), openO);
+        laterColor = Rgbw(Float(0.f));
+        lossO = Float(0.f);
+        later = later & lanes;
+        if (const Mask tabled = coated | later; any(tabled)) {
+            const Albedo e = albedoAt(wo.z, tabled);
+            openO = select(coated, open(e), openO);
+            if (any(later)) {
+                lossO = select(later, max(Float(1.f) - e.one, Float(0.f)), Float(0.f));
+                for (std::size_t i = 0; i < 3; ++i) {
+                    const Float mean = baseColor.c[i] + (Float(1.f) - baseColor.c[i]) * Float(1 / 21.f);
+                    laterColor.c[i] = select(later, metallic * laterFacets(mean, laterAverage), Float(0.f));
+                }
+            }
+        }
         diffuseO = select(diffuse, Float(1.f), Float(0.f));
-        const Mask mixed = diffuse & (reflects | straight | refracted);
+        const Mask mixed = (diffuse | later) & (reflects | straight | refracted);
         if (none(mixed)) return;
         const Split s = split(wo.z);
-        const Float base = average(diffuseColor * openO), rest = average(s.r + s.t), chance = base / (base + rest);
+        const Float base = average(select(diffuse, diffuseColor * openO, Rgbw(Float(0.f)))) + average(laterColor) * laterEnergy(),
+                    rest = average(s.r + s.t), chance = base / (base + rest);
         const Float bounded = select(rough, min(chance, Float(0.95f)), chance);
         diffuseO = select(mixed & (base + rest > Float(0.f)), bounded, diffuseO);
     }
     CHIARO_LANE Mask others() const noexcept { return lanes & (reflects | straight | refracted); } // that are not diffuse alone
     CHIARO_LANE Mask smooth() const noexcept { return diffuse | glossy; }
+
+    // What later facets send in all, over laterColor.
+    CHIARO_LANE Float laterEnergy() const noexcept { return lossO * (Float(pi) * (Float(1.f) - laterAverage)); }
 
     struct Albedo {
         Float one, shape;
@@ -147,13 +175,20 @@ struct WideLobes {
         WideLobeValue v{Rgbw(Float(0.f)), Float(0.f)};
         const Mask there = smooth() & (wi.z > Float(0.f));
         Rgbw openI(Float(1.f));
-        if (any(coated & there)) openI = open(albedoAt(wi.z, coated & there));
+        Float lossI(0.f);
+        if (const Mask tabled = (coated | later) & there; any(tabled)) {
+            const Albedo e = albedoAt(wi.z, tabled);
+            openI = open(e);
+            lossI = max(Float(1.f) - e.one, Float(0.f));
+        }
         const Float inversePi((fault(Fault::diffuseBias) ? 1.01f : 1.f) / pi);
+        const bool layered = any(coated) && !fault(Fault::coatAdded);
         for (std::size_t i = 0; i < 3; ++i) {
             Float f = diffuseColor.c[i] * inversePi;
-            if (!fault(Fault::coatAdded)) f = select(coated, f * (openO.c[i] * openI.c[i] / max(openAverage.c[i], Float(1e-6f))), f);
+            if (layered) f = select(coated, f * (openO.c[i] * openI.c[i] / max(openAverage.c[i], Float(1e-6f))), f);
             v.f.c[i] = select(diffuse, f, Float(0.f));
         }
+        if (any(later & there)) v.f = select(later, v.f + laterColor * (lossO * lossI), v.f);
         v.pdfW = diffuseO * cosineHemispherePdfW(wi.z);
         if (any(glossy & there)) {
             const Ggx<Float> ggx{alpha, alpha};
@@ -170,7 +205,7 @@ struct WideLobes {
     }
 
     CHIARO_LANE WideLobeSample sample(Float uLobe, const Vec2w& u) const noexcept {
-        WideLobeSample s{cosineHemisphere(u), diffuse & (uLobe < diffuseO), Mask(), Rgbw(Float(0.f)), Float(0.f), Mask()};
+        WideLobeSample s{cosineHemisphere(u), (diffuse | later) & (uLobe < diffuseO), Mask(), Rgbw(Float(0.f)), Float(0.f), Mask()};
         const Mask others = andNot(lanes & (reflects | straight | refracted), s.drawn);
         if (none(others)) return s;
         if (const Mask lobe = others & glossy; any(lobe)) {
@@ -214,6 +249,7 @@ struct WideLobes {
             for (std::size_t i = 0; i < 3; ++i) {
                 const Float layer = max(Float(1.f) - left.c[i], Float(0.f));
                 lobe.c[i] = baseColor.c[i] * metallic * (e.one - e.shape) + metallic * e.shape + layer * (coat + glass);
+                lobe.c[i] += laterColor.c[i] * laterEnergy();
             }
             more = select(rough, lobe, more);
         }

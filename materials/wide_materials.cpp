@@ -8,7 +8,7 @@ namespace chiaro {
 namespace {
 
 bool inLanes(const MaterialDesc& m, const LobeWeights& w) noexcept {
-    if (m.unlit || w.ior == 0 || w.passes == LobeWeights::Passes::rough) return false;
+    if (m.unlit || hasFurtherLobes(m) || w.ior == 0 || w.passes == LobeWeights::Passes::rough) return false;
     if (w.rough && w.glass > 0) return false;
     // An absorbing inside that other lobes than the refracting one look into.
     if (m.volume && std::isfinite(m.attenuationDistance) && (w.rough || w.diffuse)) return false;
@@ -50,7 +50,7 @@ WideMaterials::WideMaterials(const Scene& scene) {
         flag(WideMaterial::emits, m.unlit || !black(m.emission));
         flag(WideMaterial::askEmission, m.unlit || m.emissionTexture.texture >= 0);
         flag(WideMaterial::doubleSided, m.doubleSided || m.unlit || fault(Fault::lampTwoSided));
-        const bool inside = m.volume && m.transmission > 0 && m.metallic < 1;
+        const bool inside = m.volume && (m.transmission > 0 || m.diffuseTransmission > 0) && m.metallic < 1;
         flag(WideMaterial::volume, inside);
         volumes_ |= inside;
         flag(WideMaterial::absorbs, inside && std::isfinite(m.attenuationDistance) && m.attenuationDistance > 0);
@@ -58,6 +58,11 @@ WideMaterials::WideMaterials(const Scene& scene) {
         put(r.baseColor, m.baseColorTexture.texture >= 0 ? m.baseColor : p.baseColor);
         r.alpha = w.alpha, r.ior = w.ior, r.metallic = w.metallic, r.f90 = w.f90, r.coat = w.coat, r.glass = w.glass;
         put(r.f0, w.f0);
+        r.laterAverage = 1;
+        if (!(r.flags & WideMaterial::scalar) && w.metallic > 0 && w.alpha >= leastCompensated) {
+            flag(WideMaterial::compensated, true);
+            r.laterAverage = AlbedoSlice(w.alpha, w.ior).average().one;
+        }
         put(r.emission, m.emission);
         Spectrum open(1);
         if (w.dielectric && w.coat > 0 && w.ior > 0) {

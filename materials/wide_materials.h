@@ -1,6 +1,7 @@
 // WideMaterials: the materials of a scene as loops over lanes want them: what a closure is made from, one record of 128 bytes each, and the
 // coats' albedos as tables over the cosine alone. Made once before a render, read by all threads. Materials that need more than lanes do
-// (rough transmission, normal maps, textures other than the base colour's) are marked: a scalar closure answers for them.
+// (rough transmission, normal maps, textures other than the base colour's, the further lobes) are marked: a scalar closure answers for
+// them.
 #pragma once
 #include "core/math/vec.h"
 #include "materials/albedo_columns.h"
@@ -26,6 +27,7 @@ struct alignas(64) WideMaterial {
         doubleSided = 1024,
         volume = 2048,                                        // it has an inside that light crosses
         absorbs = 4096,                                       // which attenuates
+        compensated = 8192,                                   // rough metal: what its facets send to each other leaves at last
         lobes = reflects | straight | refracted | dielectric, // other than diffuse
     };
     float baseColor[3];
@@ -35,7 +37,8 @@ struct alignas(64) WideMaterial {
     float glass, openAverage[3]; // openAverage: what the coat leaves to the base, mean over the hemisphere
     float emission[3];           // cd/m2
     uint32_t columns;            // where its albedo begins in the table, in floats
-    float unused[12];
+    float laterAverage;          // mean albedo of a white facet
+    float unused[11];
 };
 
 class WideMaterials {

@@ -15,6 +15,8 @@ std::span<const BuiltinScene> builtinScenes() {
         BuiltinScene{"@furnace", "a closed glowing sphere in which every pixel is exactly 2", makeFurnace, 128, 128, 64},
         BuiltinScene{"@playground", "checks, balls of mirror, glass and gold, a tumbling cube: the classical effects", makePlayground, 768,
                      480, 256, animatePlayground},
+        BuiltinScene{"@gallery", "a sheet of balls: every kind of material, from smooth to rough, from weak to strong", makeGallery, 576,
+                     768, 256},
     };
     return list;
 }

@@ -10,6 +10,7 @@ SceneDesc makeVeachMis();
 SceneDesc makeCaustic();
 SceneDesc makeFurnace();
 SceneDesc makePlayground();
+SceneDesc makeGallery();
 void animatePlayground(SceneDesc&, double frameTime, Interval shutter);
 
 // The measured room without its blocks: walls, lamp and camera; the index of its white material comes back in `white`.

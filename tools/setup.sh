@@ -1,19 +1,21 @@
 #!/bin/sh
 # Install the Debian packages that Chiaro is built from. Asks for root only when some are missing; safe to run again.
-# With the argument `browser` also those that the test of the comparison report in a browser needs, with `farm` those of tools/farm/test.sh.
+# With the argument `browser` also those that the test of the comparison report in a browser needs, with `farm` those of tools/farm/test.sh,
+# with `fuzz` those of tools/fuzz.sh.
 # Why each of them is here: CONTRIBUTING.md, "Dependencies".
 set -eu
 
 packages='g++ cmake ninja-build ccache lld pkg-config git
 libtbb-dev libembree-dev libopenimageio-dev libopencolorio-dev libimath-dev libtinygltf-dev nlohmann-json3-dev
-libeigen3-dev libfmt-dev libcli11-dev libxxhash-dev zlib1g-dev doctest-dev'
+libmeshoptimizer-dev libdraco-dev libwebp-dev libeigen3-dev libfmt-dev libcli11-dev libxxhash-dev zlib1g-dev doctest-dev'
 
 case ${1-} in
     '') ;;
     browser) packages="$packages chromium chromium-driver python3-selenium" ;;
     farm) packages="$packages slurmctld slurmd slurm-client munge python3-minimal" ;;
+    fuzz) packages="$packages clang-19 libclang-rt-19-dev" ;;
     *)
-        echo "setup: no such argument: $1; use 'browser' or 'farm' for the packages of that test, or nothing" >&2
+        echo "setup: no such argument: $1; use 'browser', 'farm' or 'fuzz' for the packages of that test, or nothing" >&2
         exit 64
         ;;
 esac

@@ -22,6 +22,11 @@ struct Rect {
 // The cone a ray stands for: its width in metres at the origin and its full opening angle in radians. Zero filters nothing.
 struct Footprint {
     float width = 0, spread = 0;
+    // Where the ray has gone t metres. A cone that converges opens again beyond its waist.
+    Footprint at(float t) const noexcept {
+        const float w = width + spread * t;
+        return w < 0 ? Footprint{-w, -spread} : Footprint{w, spread};
+    }
 };
 // The wavelength that a dispersive event picked, in nanometres; 0: none, the path carries all of RGB.
 struct Wavelengths {

@@ -1,5 +1,5 @@
 // Sixteen lanes in pairs of AVX2 registers. Included by core/math/wide_lanes.h; the answers are those of core/math/wide_avx512.h to the
-// last bit.
+// last bit, but for inverseSqrtGuess().
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -27,7 +27,7 @@ struct Mask { // all bits of a lane or none
 struct Int {
     using value_type = uint32_t;
     __m256i a, b;
-    Int() = default;
+    CHIARO_LANE Int() noexcept {}
     CHIARO_LANE Int(__m256i x, __m256i y) noexcept : a(x), b(y) {}
     CHIARO_LANE Int(uint32_t x) noexcept : a(_mm256_set1_epi32(int(x))), b(a) {}
     CHIARO_LANE explicit Int(const uint32_t* p) noexcept
@@ -40,7 +40,7 @@ struct Int {
 struct Float {
     using value_type = float;
     __m256 a, b;
-    Float() = default;
+    CHIARO_LANE Float() noexcept {}
     CHIARO_LANE Float(__m256 x, __m256 y) noexcept : a(x), b(y) {}
     CHIARO_LANE Float(float x) noexcept : a(_mm256_set1_ps(x)), b(a) {}
     CHIARO_LANE explicit Float(const float* p) noexcept : a(_mm256_loadu_ps(p)), b(_mm256_loadu_ps(p + 8)) {}
@@ -82,6 +82,10 @@ CHIARO_LANE Float abs(Float x) noexcept {
     return {_mm256_andnot_ps(s, x.a), _mm256_andnot_ps(s, x.b)};
 }
 CHIARO_LANE Float sqrt(Float x) noexcept { return {_mm256_sqrt_ps(x.a), _mm256_sqrt_ps(x.b)}; }
+CHIARO_LANE Float mulAdd(Float x, Float y, Float z) noexcept { return {_mm256_fmadd_ps(x.a, y.a, z.a), _mm256_fmadd_ps(x.b, y.b, z.b)}; }
+CHIARO_LANE Float mulSub(Float x, Float y, Float z) noexcept { return {_mm256_fmsub_ps(x.a, y.a, z.a), _mm256_fmsub_ps(x.b, y.b, z.b)}; }
+CHIARO_LANE Float subMul(Float z, Float x, Float y) noexcept { return {_mm256_fnmadd_ps(x.a, y.a, z.a), _mm256_fnmadd_ps(x.b, y.b, z.b)}; }
+CHIARO_LANE Float inverseSqrtGuess(Float x) noexcept { return {_mm256_rsqrt_ps(x.a), _mm256_rsqrt_ps(x.b)}; }
 CHIARO_LANE Float roundNearest(Float x) noexcept {
     constexpr int how = _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC;
     return {_mm256_round_ps(x.a, how), _mm256_round_ps(x.b, how)};
@@ -107,6 +111,7 @@ CHIARO_LANE Int operator|(Int x, Int y) noexcept { return {_mm256_or_si256(x.a, 
 CHIARO_LANE Int operator^(Int x, Int y) noexcept { return {_mm256_xor_si256(x.a, y.a), _mm256_xor_si256(x.b, y.b)}; }
 CHIARO_LANE Int operator>>(Int x, uint32_t n) noexcept { return {_mm256_srli_epi32(x.a, int(n)), _mm256_srli_epi32(x.b, int(n))}; }
 CHIARO_LANE Int operator<<(Int x, uint32_t n) noexcept { return {_mm256_slli_epi32(x.a, int(n)), _mm256_slli_epi32(x.b, int(n))}; }
+CHIARO_LANE Int operator>>(Int x, Int n) noexcept { return {_mm256_srlv_epi32(x.a, n.a), _mm256_srlv_epi32(x.b, n.b)}; }
 CHIARO_LANE Int mulHigh(Int x, Int y) noexcept { // the upper half of the product
     const auto half = [](__m256i m, __m256i n) {
         const __m256i even = _mm256_srli_epi64(_mm256_mul_epu32(m, n), 32);
@@ -147,6 +152,11 @@ CHIARO_LANE Int reverseBits(Int x) noexcept { // by halves of bytes, then the by
         return _mm256_shuffle_epi8(_mm256_or_si256(_mm256_slli_epi16(low, 4), high), turned);
     };
     return {one(x.a), one(x.b)};
+}
+CHIARO_LANE Int xorDownBytes(Int i) noexcept {
+    i = i ^ ((i & Int(0xaaaaaaaau)) >> 1);
+    i = i ^ ((i & Int(0xccccccccu)) >> 2);
+    return i ^ ((i & Int(0xf0f0f0f0u)) >> 4);
 }
 CHIARO_LANE Float lookUp(const float (&table)[16], Int i) noexcept { // two tables of eight and the choice between them
     const __m256 low = _mm256_load_ps(table), high = _mm256_load_ps(table + 8);
@@ -192,6 +202,7 @@ CHIARO_LANE void storePacked(uint32_t* p, Mask m, Int x) noexcept {
 CHIARO_LANE void storePacked(float* p, Mask m, Float x) noexcept { storePacked(reinterpret_cast<uint32_t*>(p), m, floatAsBits(x)); }
 
 CHIARO_LANE void loadFour(const float* p, const uint32_t* at, Float& a, Float& b, Float& c, Float& d) noexcept {
+    asm("" : "+m"(*reinterpret_cast<uint32_t(*)[16]>(const_cast<uint32_t*>(at))));
     const auto half = [&](const uint32_t* i, __m256& ra, __m256& rb, __m256& rc, __m256& rd) {
         __m256 r[4];
         for (int k = 0; k < 4; ++k)
@@ -207,8 +218,12 @@ CHIARO_LANE void loadFour(const float* p, const uint32_t* at, Float& a, Float& b
     half(at + 8, a.b, b.b, c.b, d.b);
 }
 
-// Adds the lanes of a mask to the sums that they name, one after the other.
-CHIARO_LANE void addTo(float (*sums)[4], const uint32_t* at, Mask m, Float r, Float g, Float b) noexcept {
+// Adds the lanes of a mask to the sums that they name, one after the other. all: every lane names a sum.
+template <bool all = false> CHIARO_LANE void addTo(float (*sums)[4], const uint32_t* at, Mask m, Float r, Float g, Float b) noexcept {
+    if constexpr (all) {
+        const Float none(0.f);
+        r = select(m, r, none), g = select(m, g, none), b = select(m, b, none);
+    }
     alignas(64) float each[2][4][8]; // lane 8 h + 4 j + e at [h][e][4 j]
     const auto half = [](float(&to)[4][8], __m256 x, __m256 y, __m256 z) {
         const __m256 zero = _mm256_setzero_ps(), xz0 = _mm256_unpacklo_ps(x, z), xz1 = _mm256_unpackhi_ps(x, z),
@@ -220,10 +235,15 @@ CHIARO_LANE void addTo(float (*sums)[4], const uint32_t* at, Mask m, Float r, Fl
     };
     half(each[0], r.a, g.a, b.a);
     half(each[1], r.b, g.b, b.b);
-    for (uint32_t bits = m.bits(); bits; bits &= bits - 1) {
-        const auto k = uint32_t(__builtin_ctz(bits));
+    const auto add = [&](uint32_t k) {
         float* const sum = sums[at[k]];
         _mm_store_ps(sum, _mm_add_ps(_mm_load_ps(sum), _mm_load_ps(&each[k >> 3][k & 3][k & 4])));
+    };
+    if constexpr (all) {
+#pragma GCC unroll 16
+        for (uint32_t k = 0; k < 16; ++k) add(k);
+    } else {
+        for (uint32_t bits = m.bits(); bits; bits &= bits - 1) add(uint32_t(__builtin_ctz(bits)));
     }
 }
 
@@ -252,6 +272,7 @@ CHIARO_LANE Long operator>>(Long x, uint32_t n) noexcept {
     for (__m256i& q : x.q) q = _mm256_srli_epi64(q, int(n));
     return x;
 }
+CHIARO_LANE Int high(Long x) noexcept { return low(x >> 32); }
 CHIARO_LANE Long operator^(Long x, Long y) noexcept {
     for (int i = 0; i < 4; ++i) x.q[i] = _mm256_xor_si256(x.q[i], y.q[i]);
     return x;

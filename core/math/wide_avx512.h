@@ -17,7 +17,7 @@ struct Mask {
 struct Int {
     using value_type = uint32_t;
     __m512i v;
-    Int() = default;
+    CHIARO_LANE Int() noexcept {}
     CHIARO_LANE Int(__m512i a) noexcept : v(a) {}
     CHIARO_LANE Int(uint32_t a) noexcept : v(_mm512_set1_epi32(int(a))) {}
     CHIARO_LANE explicit Int(const uint32_t* p) noexcept : v(_mm512_loadu_si512(p)) {}
@@ -26,7 +26,7 @@ struct Int {
 struct Float {
     using value_type = float;
     __m512 v;
-    Float() = default;
+    CHIARO_LANE Float() noexcept {}
     CHIARO_LANE Float(__m512 a) noexcept : v(a) {}
     CHIARO_LANE Float(float a) noexcept : v(_mm512_set1_ps(a)) {}
     CHIARO_LANE explicit Float(const float* p) noexcept : v(_mm512_loadu_ps(p)) {}
@@ -57,6 +57,10 @@ CHIARO_LANE Float min(Float a, Float b) noexcept { return _mm512_min_ps(b.v, a.v
 CHIARO_LANE Float max(Float a, Float b) noexcept { return _mm512_max_ps(b.v, a.v); }
 CHIARO_LANE Float abs(Float a) noexcept { return _mm512_andnot_ps(_mm512_set1_ps(-0.f), a.v); }
 CHIARO_LANE Float sqrt(Float a) noexcept { return _mm512_sqrt_ps(a.v); }
+CHIARO_LANE Float mulAdd(Float a, Float b, Float c) noexcept { return _mm512_fmadd_ps(a.v, b.v, c.v); } // a b + c, rounded once
+CHIARO_LANE Float mulSub(Float a, Float b, Float c) noexcept { return _mm512_fmsub_ps(a.v, b.v, c.v); }
+CHIARO_LANE Float subMul(Float c, Float a, Float b) noexcept { return _mm512_fnmadd_ps(a.v, b.v, c.v); } // c - a b
+CHIARO_LANE Float inverseSqrtGuess(Float a) noexcept { return _mm512_rsqrt14_ps(a.v); }
 CHIARO_LANE Float roundNearest(Float a) noexcept { return _mm512_roundscale_ps(a.v, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC); }
 CHIARO_LANE Float floor(Float a) noexcept { return _mm512_roundscale_ps(a.v, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC); }
 CHIARO_LANE Float copysign(Float a, Float b) noexcept {
@@ -74,6 +78,7 @@ CHIARO_LANE Int operator|(Int a, Int b) noexcept { return _mm512_or_si512(a.v, b
 CHIARO_LANE Int operator^(Int a, Int b) noexcept { return _mm512_xor_si512(a.v, b.v); }
 CHIARO_LANE Int operator>>(Int a, uint32_t n) noexcept { return _mm512_srli_epi32(a.v, n); }
 CHIARO_LANE Int operator<<(Int a, uint32_t n) noexcept { return _mm512_slli_epi32(a.v, n); }
+CHIARO_LANE Int operator>>(Int a, Int n) noexcept { return _mm512_srlv_epi32(a.v, n.v); }
 CHIARO_LANE Int mulHigh(Int a, Int b) noexcept { // the upper half of the product
     const __m512i even = _mm512_srli_epi64(_mm512_mul_epu32(a.v, b.v), 32);
     const __m512i odd = _mm512_mul_epu32(_mm512_srli_epi64(a.v, 32), _mm512_srli_epi64(b.v, 32));
@@ -89,14 +94,15 @@ CHIARO_LANE Float toFloat(Int a) noexcept { return _mm512_cvtepi32_ps(a.v); } //
 CHIARO_LANE Float wholeToFloat(Int a) noexcept { return _mm512_cvtepu32_ps(a.v); }
 CHIARO_LANE Int truncated(Float a) noexcept { return _mm512_cvttps_epi32(a.v); }
 
-CHIARO_LANE Int reverseBits(Int a) noexcept { // by halves of bytes, then the bytes
-    const __m512i half = _mm512_set1_epi8(15);
-    const __m512i table = _mm512_broadcast_i32x4(_mm_setr_epi8(0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15));
-    const __m512i turned = _mm512_broadcast_i32x4(_mm_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
-    const __m512i low = _mm512_shuffle_epi8(table, _mm512_and_si512(a.v, half));
-    const __m512i high = _mm512_shuffle_epi8(table, _mm512_and_si512(_mm512_srli_epi16(a.v, 4), half));
-    return _mm512_shuffle_epi8(_mm512_or_si512(_mm512_slli_epi16(low, 4), high), turned);
+CHIARO_LANE Int byBytes(Int a, uint64_t matrix) noexcept { // every byte times a matrix over bits
+    return _mm512_gf2p8affine_epi64_epi8(a.v, _mm512_set1_epi64(int64_t(matrix)), 0);
 }
+CHIARO_LANE Int reverseBits(Int a) noexcept { // in each byte, then the bytes
+    const __m512i turned = _mm512_broadcast_i32x4(_mm_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
+    return _mm512_shuffle_epi8(byBytes(a, 0x8040201008040201ull).v, turned);
+}
+// In each byte: bit i of the result is the parity of the bits of a whose places hold all bits of i (three steps of Pascal's triangle).
+CHIARO_LANE Int xorDownBytes(Int a) noexcept { return byBytes(a, 0xffaacc88f0a0c080ull); }
 CHIARO_LANE Float lookUp(const float (&table)[16], Int i) noexcept { return _mm512_permutexvar_ps(i.v, _mm512_load_ps(table)); }
 CHIARO_LANE Int lookUp(const uint32_t (&table)[16], Int i) noexcept { return _mm512_permutexvar_epi32(i.v, _mm512_load_si512(table)); }
 
@@ -111,6 +117,7 @@ CHIARO_LANE void storePacked(uint32_t* p, Mask m, Int a) noexcept { _mm512_store
 
 // Four floats at p + at[lane], transposed.
 CHIARO_LANE void loadFour(const float* p, const uint32_t* at, Float& a, Float& b, Float& c, Float& d) noexcept {
+    asm("" : "+m"(*reinterpret_cast<uint32_t(*)[16]>(const_cast<uint32_t*>(at))));
     __m512 r[4];
     for (int k = 0; k < 4; ++k) {
         __m512 x = _mm512_castps128_ps512(_mm_loadu_ps(p + at[k]));
@@ -126,8 +133,12 @@ CHIARO_LANE void loadFour(const float* p, const uint32_t* at, Float& a, Float& b
     d = _mm512_shuffle_ps(t1, t3, 0xee);
 }
 
-// Adds the lanes of a mask to the sums that they name, one after the other.
-CHIARO_LANE void addTo(float (*sums)[4], const uint32_t* at, Mask m, Float r, Float g, Float b) noexcept {
+// Adds the lanes of a mask to the sums that they name, one after the other. all: every lane names a sum.
+template <bool all = false> CHIARO_LANE void addTo(float (*sums)[4], const uint32_t* at, Mask m, Float r, Float g, Float b) noexcept {
+    if constexpr (all) {
+        const Float none(0.f);
+        r = select(m, r, none), g = select(m, g, none), b = select(m, b, none);
+    }
     const __m512 zero = _mm512_setzero_ps(), rb0 = _mm512_unpacklo_ps(r.v, b.v), rb1 = _mm512_unpackhi_ps(r.v, b.v),
                  g0 = _mm512_unpacklo_ps(g.v, zero), g1 = _mm512_unpackhi_ps(g.v, zero);
     alignas(64) float each[4][16]; // lane 4 j + e at [e][4 j]
@@ -135,23 +146,29 @@ CHIARO_LANE void addTo(float (*sums)[4], const uint32_t* at, Mask m, Float r, Fl
     _mm512_store_ps(each[1], _mm512_unpackhi_ps(rb0, g0));
     _mm512_store_ps(each[2], _mm512_unpacklo_ps(rb1, g1));
     _mm512_store_ps(each[3], _mm512_unpackhi_ps(rb1, g1));
-    for (uint32_t bits = m.bits(); bits; bits &= bits - 1) {
-        const auto k = uint32_t(__builtin_ctz(bits));
+    const auto add = [&](uint32_t k) {
         float* const sum = sums[at[k]];
         _mm_store_ps(sum, _mm_add_ps(_mm_load_ps(sum), _mm_load_ps(&each[k & 3][k & ~3u])));
+    };
+    if constexpr (all) {
+#pragma GCC unroll 16
+        for (uint32_t k = 0; k < 16; ++k) add(k);
+    } else {
+        for (uint32_t bits = m.bits(); bits; bits &= bits - 1) add(uint32_t(__builtin_ctz(bits)));
     }
 }
 
 CHIARO_LANE Long longs(Int low, Int high) noexcept {
-    const auto half = [&](__m256i l, __m256i h) {
-        return _mm512_or_si512(_mm512_cvtepu32_epi64(l), _mm512_slli_epi64(_mm512_cvtepu32_epi64(h), 32));
-    };
-    return {half(_mm512_castsi512_si256(low.v), _mm512_castsi512_si256(high.v)),
-            half(_mm512_extracti32x8_epi32(low.v, 1), _mm512_extracti32x8_epi32(high.v, 1))};
+    const __m512i first = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+    const __m512i last = _mm512_setr_epi32(8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
+    return {_mm512_permutex2var_epi32(low.v, first, high.v), _mm512_permutex2var_epi32(low.v, last, high.v)};
 }
 CHIARO_LANE Long longs(uint64_t x) noexcept { return {_mm512_set1_epi64(int64_t(x)), _mm512_set1_epi64(int64_t(x))}; }
 CHIARO_LANE Int low(Long x) noexcept {
-    return _mm512_inserti32x8(_mm512_castsi256_si512(_mm512_cvtepi64_epi32(x.a)), _mm512_cvtepi64_epi32(x.b), 1);
+    return _mm512_permutex2var_epi32(x.a, _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30), x.b);
+}
+CHIARO_LANE Int high(Long x) noexcept {
+    return _mm512_permutex2var_epi32(x.a, _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31), x.b);
 }
 CHIARO_LANE Long operator>>(Long x, uint32_t n) noexcept { return {_mm512_srli_epi64(x.a, n), _mm512_srli_epi64(x.b, n)}; }
 CHIARO_LANE Long operator^(Long x, Long y) noexcept { return {_mm512_xor_si512(x.a, y.a), _mm512_xor_si512(x.b, y.b)}; }

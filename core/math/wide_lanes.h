@@ -3,8 +3,9 @@
 // instantiates carries the namespace in its name, so that the linker cannot mix the sets. It may call nothing else that is inline: the
 // test build.wide-symbols looks.
 //
-// Only operations that IEEE 754 rounds, nothing fused: both sets give the same bits. Float is a number type in the sense of
-// core/math/number.h: the leaf mathematics of shading runs on it unchanged.
+// Float is a number type in the sense of core/math/number.h: the leaf mathematics of shading runs on it unchanged. Products are fused with
+// sums only where mulAdd() and its like say so, never by the compiler: what a lane computes does not depend on the code around it. Both
+// sets give the same bits but for inverseSqrtGuess().
 #pragma once
 #if defined(__AVX512F__)
 #include "core/math/wide_avx512.h"
@@ -24,6 +25,8 @@ using Vec3w = Vec3T<Float>;
 using Vec2w = Vec2T<Float>;
 using Rgbw = Rgb<Float>;
 
+CHIARO_LANE Float& operator+=(Float& a, Float b) noexcept { return a = a + b; }
+
 CHIARO_LANE bool any(Mask m) noexcept { return m.bits() != 0; }
 CHIARO_LANE bool none(Mask m) noexcept { return m.bits() == 0; }
 CHIARO_LANE uint32_t count(Mask m) noexcept { return uint32_t(__builtin_popcount(m.bits())); }
@@ -38,6 +41,24 @@ CHIARO_LANE Rgbw select(Mask m, const Rgbw& yes, const Rgbw& no) noexcept {
     return {select(m, yes.c[0], no.c[0]), select(m, yes.c[1], no.c[1]), select(m, yes.c[2], no.c[2])};
 }
 CHIARO_LANE Mask notBlack(const Rgbw& s) noexcept { return (s.c[0] != Float(0.f)) | (s.c[1] != Float(0.f)) | (s.c[2] != Float(0.f)); }
+
+// About 1 / sqrt(x) to within two units in the last place, for what is neither 0 nor infinite: a guess of the processor, one step of
+// Newton's.
+CHIARO_LANE Float inverseSqrt(Float x) noexcept {
+    const Float y = inverseSqrtGuess(x);
+    return mulAdd(y, subMul(Float(0.5f), Float(0.5f) * x * y, y), y);
+}
+// Of vectors, in the place of the templates of core/math/vec.h: sums of products rounded once a term.
+CHIARO_LANE Float dot(const Vec3w& a, const Vec3w& b) noexcept { return mulAdd(a.z, b.z, mulAdd(a.y, b.y, a.x * b.x)); }
+CHIARO_LANE Vec3w cross(const Vec3w& a, const Vec3w& b) noexcept {
+    return {mulSub(a.y, b.z, a.z * b.y), mulSub(a.z, b.x, a.x * b.z), mulSub(a.x, b.y, a.y * b.x)};
+}
+CHIARO_LANE Float lengthSquared(const Vec3w& a) noexcept { return dot(a, a); }
+CHIARO_LANE Vec3w normalize(const Vec3w& a) noexcept { return a * inverseSqrt(dot(a, a)); }
+CHIARO_LANE Vec3w mulAdd(const Vec3w& a, Float b, const Vec3w& c) noexcept {
+    return {mulAdd(a.x, b, c.x), mulAdd(a.y, b, c.y), mulAdd(a.z, b, c.z)};
+}
+CHIARO_LANE Vec3w toWorld(const FrameT<Float>& f, const Vec3w& v) noexcept { return mulAdd(f.z, v.z, mulAdd(f.y, v.y, f.x * v.x)); }
 
 // Sine and cosine for moderate angles: reduction by quarter turns in two steps (Cody and Waite 1980), then minimax polynomials on an eighth
 // of a turn (those of Cephes, Moshier 1992). Error below 2 units in the last place for |x| < 100.
@@ -58,5 +79,31 @@ CHIARO_LANE SineCosine sinCos(Float x) noexcept {
 }
 CHIARO_LANE Float sin(Float x) noexcept { return sinCos(x).sine; }
 CHIARO_LANE Float cos(Float x) noexcept { return sinCos(x).cosine; }
+
+// Warps and frames of core/math/warp.h and vec.h in fewer steps.
+CHIARO_LANE FrameT<Float> frameAbout(const Vec3w& n) noexcept {
+    const Float sign = copysign(Float(1.f), n.z), a = Float(-1.f) / (sign + n.z), xa = n.x * a, b = xa * n.y, x = sign * n.x;
+    return {{mulAdd(x, xa, Float(1.f)), sign * b, -x}, {b, mulAdd(n.y * n.y, a, sign), -n.y}, n};
+}
+// The angles of the concentric map are an eighth of a turn at most: the polynomials of sinCos() without its reduction.
+CHIARO_LANE Vec3w cosineHemisphere(const Vec2w& u) noexcept {
+    const Float one(1.f), x = u.x + u.x - one, y = u.y + u.y - one;
+    const Mask wide = abs(x) > abs(y);
+    const Float r = select(wide, x, y), num = select(wide, y, x), den = select(r == Float(0.f), one, r);
+    const Float phi = num / den * Float(0.785398163f), p = phi * phi;
+    const Float sine =
+                    mulAdd(mulAdd(mulAdd(Float(-1.9515295891e-4f), p, Float(8.3321608736e-3f)), p, Float(-1.6666654611e-1f)), p * phi, phi),
+                cosine = mulAdd(
+                    mulAdd(mulAdd(mulAdd(Float(2.443315711809948e-5f), p, Float(-1.388731625493765e-3f)), p, Float(4.166664568298827e-2f)),
+                           p, Float(-0.5f)),
+                    p, one);
+    const Float s = r * sine, c = r * cosine;
+    return {select(wide, c, s), select(wide, s, c), sqrt(max(subMul(one, r, r), Float(0.f)))};
+}
+// Of light that a light sample brings: the weight against a density of the other strategy, over its own.
+CHIARO_LANE Float weightOverPdf(Float pdf, Float other) noexcept {
+    const Float inverse = Float(1.f) / pdf, ratio = other * inverse;
+    return inverse / mulAdd(ratio, ratio, Float(1.f));
+}
 
 } // namespace chiaro::CHIARO_ISA

@@ -20,9 +20,7 @@ CHIARO_LANE Int laineKarras(Int x, Int seed) noexcept {
     return x ^ (x * Int(0x53a22864u));
 }
 CHIARO_LANE Int sobolSecondReversed(Int i) noexcept {
-    i = i ^ ((i & Int(0xaaaaaaaau)) >> 1);
-    i = i ^ ((i & Int(0xccccccccu)) >> 2);
-    i = i ^ ((i & Int(0xf0f0f0f0u)) >> 4);
+    i = xorDownBytes(i);
     i = i ^ ((i & Int(0xff00ff00u)) >> 8);
     return i ^ (i >> 16);
 }
@@ -62,20 +60,40 @@ struct WideSampler {
     WideSampler(Int keyLow, Int keyHigh, Int index) noexcept : key(longs(keyLow, keyHigh)), reversed(reverseBits(index)) {}
 
     CHIARO_LANE Int shuffled(Int seed) const noexcept { return reverseBits(laineKarras(reversed, seed)); }
-    CHIARO_LANE Float get1D(Int dimension) const noexcept {
-        const Long h = hashCombine(key, longs(dimension, Int(0u)));
-        return toUnit(reverseBits(laineKarras(shuffled(low(h)), low(h >> 32))));
+    CHIARO_LANE Float get1D(Long dimension) const noexcept {
+        const Long h = hashMix(key ^ dimension);
+        return toUnit(reverseBits(laineKarras(shuffled(low(h)), high(h))));
     }
     // pick: false where nobody asks for the first number, which is 0 then.
-    CHIARO_LANE WidePick get3D(Int dimension, bool pick = true) const noexcept {
-        const Long h = hashCombine(key, longs(dimension, Int(0u))), g = hashMix(h ^ longs(0x6a09e667f3bcc909ull));
+    CHIARO_LANE WidePick get3D(Long dimension, bool pick = true) const noexcept {
+        const Long h = hashMix(key ^ dimension), g = hashMix(h ^ longs(0x6a09e667f3bcc909ull));
         const Int index = shuffled(low(h));
         WidePick p{
             Int(0u),
-            {toUnit(reverseBits(laineKarras(index, low(h >> 32)))), toUnit(reverseBits(laineKarras(sobolSecondReversed(index), low(g))))}};
-        if (pick) p.pick = reverseBits(laineKarras(sobolThirdReversed(index), low(g >> 32)));
+            {toUnit(reverseBits(laineKarras(index, high(h)))), toUnit(reverseBits(laineKarras(sobolSecondReversed(index), low(g))))}};
+        if (pick) p.pick = reverseBits(laineKarras(sobolThirdReversed(index), high(g)));
         return p;
     }
 };
+
+// What hashCombine() makes of a dimension, for get1D() and get3D().
+CHIARO_LANE Long mixed(Int dimension) noexcept { return hashMix(longs(dimension, Int(0u)) + longs(0x9e3779b97f4a7c15ull)); }
+// The same of the dimensions first + step depth, for the first sixteen depths as a table.
+template <uint32_t first, uint32_t step> struct MixedDimensions {
+    alignas(64) uint32_t low[16] = {}, high[16] = {};
+    constexpr MixedDimensions() {
+        for (uint32_t depth = 0; depth < 16; ++depth) {
+            uint64_t x = first + step * depth + 0x9e3779b97f4a7c15ull;
+            x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
+            x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
+            x ^= x >> 31;
+            low[depth] = uint32_t(x), high[depth] = uint32_t(x >> 32);
+        }
+    }
+};
+template <uint32_t first, uint32_t step> CHIARO_LANE Long mixedAt(Int depth, bool shallow) noexcept {
+    static constexpr MixedDimensions<first, step> table;
+    return shallow ? longs(lookUp(table.low, depth), lookUp(table.high, depth)) : mixed(Int(first) + depth * Int(step));
+}
 
 } // namespace chiaro::CHIARO_ISA

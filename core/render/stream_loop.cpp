@@ -5,11 +5,9 @@
 
 namespace chiaro {
 
-void SampleLanes::clear(std::size_t count) noexcept {
-    std::memset(found, 0, count * sizeof found[0]);
-    std::memset(direct, 0, count * sizeof direct[0]);
-    for (auto* values : {albedo, normal})
-        for (int c = 0; c < 3; ++c) std::memset(values[c], 0, count * sizeof(float));
+void SampleLanes::clear(std::size_t first, std::size_t count) noexcept {
+    std::memset(found + first, 0, count * sizeof found[0]);
+    std::memset(direct + first, 0, count * sizeof direct[0]);
 }
 
 namespace {
@@ -32,6 +30,7 @@ public:
         : job_(job), pass_(pass), film_(film), batch_(batch), how_(how), plain_(plainStarts(job, how)) {
         thread_local const std::unique_ptr<StreamRoom> room(new StreamRoom); // not filled with zeros
         room_ = room.get();
+        for (std::size_t k = 0; k < together; ++k) ::new (room_->outputs + k * sizeof(Outputs)) Outputs(film.layout());
     }
     void run(Rect tile) {
         for (uint32_t begin = pass_.begin, end; begin < pass_.end; begin = end) {
@@ -46,9 +45,14 @@ public:
         if (n == 0) return false;
         to.first = uint32_t(given_);
         to.count = uint32_t(n);
-        for (std::size_t k = 0; k < n; ++k, ++inRun_) {
-            if (inRun_ == runs()[run_].count) ++run_, inRun_ = 0;
-            lay(runs()[run_], inRun_, k, to);
+        room_->lanes.clear(given_, n);
+        for (std::size_t k = 0; k < n;) {
+            const PixelRun& run = runs()[run_];
+            const auto piece = std::min(uint32_t(n - k), run.count - inRun_);
+            lay(run, inRun_, k, piece, to);
+            k += piece;
+            inRun_ += piece;
+            if (inRun_ == run.count) ++run_, inRun_ = 0;
         }
         if (plain_) plainDirections(room_->waiting, 0, job_.view.filter, job_.view.camera, to.rays);
         job_.scene.intersect(to.rays, to.hits, to.count, true);
@@ -70,30 +74,36 @@ private:
             if (count_ == mostStarts) flush();
         }
     }
-    // The start of one sample of a run, as pixelStart() makes it; of a plain camera without its direction.
-    void lay(const PixelRun& run, uint32_t inRun, std::size_t k, StartPacket& to) noexcept {
-        const uint32_t sample = run.first + inRun;
+    // The starts of some samples of a run, as pixelStart() makes them; of a plain camera without their directions.
+    void lay(const PixelRun& run, uint32_t from, std::size_t k, uint32_t count, StartPacket& to) noexcept {
         const uint64_t key = run.sampler.key();
-        to.keyLow[k] = uint32_t(key);
-        to.keyHigh[k] = uint32_t(key >> 32);
-        to.sample[k] = sample;
-        if (!plain_) return to.rays.set(k, pixelStart(job_, run.pixel, sample, how_).ray);
+        std::fill_n(to.keyLow + k, count, uint32_t(key));
+        std::fill_n(to.keyHigh + k, count, uint32_t(key >> 32));
+        for (uint32_t i = 0; i < count; ++i) to.sample[k + i] = run.first + from + i;
+        if (!plain_) {
+            for (uint32_t i = 0; i < count; ++i) to.rays.set(k + i, pixelStart(job_, run.pixel, run.first + from + i, how_).ray);
+            return;
+        }
         StartLanes& lanes = room_->waiting;
-        if (inRun == 0 || k == 0) seeds_ = run.sampler.pairSeeds(), centre_ = centreOf(run.pixel);
-        lanes.sample[k] = sample;
-        lanes.index[k] = seeds_.index;
-        lanes.x[k] = seeds_.x;
-        lanes.y[k] = seeds_.y;
-        lanes.centreX[k] = centre_.x;
-        lanes.centreY[k] = centre_.y;
-        Sampler sampler = run.sampler.at(sample);
-        sampler.skip(positionDimensions);
-        to.rays.set(k, {job_.view.camera.position(), 0, {}, infinity, timeOf(job_, how_.time, sampler)});
+        const Sampler::PairSeeds seeds = run.sampler.pairSeeds();
+        const Point2 centre = centreOf(run.pixel);
+        const Vec3 o = job_.view.camera.position();
+        for (uint32_t i = 0; i < count; ++i) lanes.sample[k + i] = run.first + from + i;
+        for (const auto& [at, value] : {std::pair{lanes.index, seeds.index}, std::pair{lanes.x, seeds.x}, std::pair{lanes.y, seeds.y}})
+            std::fill_n(at + k, count, value);
+        RayPacket& r = to.rays;
+        for (const auto& [at, value] : {std::pair{lanes.centreX, centre.x}, std::pair{lanes.centreY, centre.y}, std::pair{r.ox, o.x},
+                                        std::pair{r.oy, o.y}, std::pair{r.oz, o.z}, std::pair{r.tnear, 0.f}, std::pair{r.tfar, infinity}})
+            std::fill_n(at + k, count, value);
+        for (uint32_t i = 0; i < count; ++i) {
+            Sampler sampler = run.sampler.at(run.first + from + i);
+            sampler.skip(positionDimensions);
+            r.time[k + i] = timeOf(job_, how_.time, sampler);
+        }
     }
     void flush() {
         if (count_ == 0) return;
         given_ = run_ = inRun_ = 0;
-        room_->lanes.clear(count_);
         batch_(*this, room_->lanes);
         std::size_t slot = 0;
         for (const PixelRun& run : std::span<const PixelRun>(runs(), runCount_)) {
@@ -108,8 +118,8 @@ private:
         auto* const outputs = reinterpret_cast<Outputs*>(room_->outputs);
         const SampleLanes& l = room_->lanes;
         for (std::size_t k = 0, i = slot; k < n; ++k, ++i) {
-            Outputs& out = *::new (outputs + k) Outputs(film_.layout());
-            out.add(otherLayer, {l.found[i][0] + l.direct[i][0], l.found[i][1] + l.direct[i][1], l.found[i][2] + l.direct[i][2]});
+            Outputs& out = outputs[k];
+            out.layer[0] = {l.found[i][0] + l.direct[i][0], l.found[i][1] + l.direct[i][1], l.found[i][2] + l.direct[i][2]};
             out.aov(Aov::albedo, {l.albedo[0][i], l.albedo[1][i], l.albedo[2][i]});
             out.aov(Aov::normal, {l.normal[0][i], l.normal[1][i], l.normal[2][i]});
         }
@@ -124,8 +134,6 @@ private:
     std::size_t count_ = 0, runCount_ = 0; // gathered
     std::size_t given_ = 0, run_ = 0;      // of which handed out; the run that the next one belongs to
     uint32_t inRun_ = 0;
-    Sampler::PairSeeds seeds_;
-    Point2 centre_;
     bool plain_;
     StreamRoom* room_;
 };

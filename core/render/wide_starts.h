@@ -35,7 +35,7 @@ struct SampleLanes {
     static constexpr std::size_t most = 4096;
     alignas(64) float found[most][4], direct[most][4]; // RGB; a sum is one register
     alignas(64) float albedo[3][most], normal[3][most];
-    void clear(std::size_t count) noexcept;
+    void clear(std::size_t first, std::size_t count) noexcept; // the sums; the rest is written by whoever takes the starts
 };
 
 } // namespace chiaro

@@ -143,8 +143,10 @@ struct Accel::Impl {
     void attach(RTCScene scene, const Geometry& g, uint32_t index, uint32_t id) {
         if (g.indices.empty()) return;
         const GeometryHandle handle(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
-        rtcSetSharedGeometryBuffer(handle.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, g.positions.data(), 0, sizeof(Vec3),
-                                   g.positions.size() - 1);
+        rtcSetGeometryTimeStepCount(handle.get(), unsigned(1 + g.steps.size()));
+        for (unsigned step = 0; step <= g.steps.size(); ++step)
+            rtcSetSharedGeometryBuffer(handle.get(), RTC_BUFFER_TYPE_VERTEX, step, RTC_FORMAT_FLOAT3, g.positionsAt(step).data(), 0,
+                                       sizeof(Vec3), g.positions.size() - 1);
         rtcSetSharedGeometryBuffer(handle.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, g.indices.data(), 0, 3 * sizeof(uint32_t),
                                    g.triangles());
         if (g.cutOut) {

@@ -2,6 +2,7 @@
 // one that moves, are built once and instanced, all other geometry lies in world space in the top level.
 #pragma once
 #include "core/math/ray.h"
+#include "core/scene/desc.h"
 #include "core/scene/motion.h"
 #include "core/scene/ray_packet.h"
 #include "core/scene/ray_record.h"
@@ -22,12 +23,20 @@ struct Geometry {
     std::vector<uint32_t> indices;
     std::vector<Vec3> normals;
     std::vector<Vec4> tangents;
-    std::vector<Point2> uv[2];
+    std::vector<Point2> uv[uvSets];
     std::vector<Vec4> colors;
+    std::vector<ShapeDesc> steps; // of what deforms: later shapes at equal steps of the shutter, their positions one more too
     uint32_t material = 0;
     uint32_t firstLight = ~0u; // of its first triangle, where the geometry lies in the top level; instances keep their own
     bool cutOut = false;       // opacity below 1 somewhere: rays ask
+    uint8_t uvEnd = 0;         // one beyond the last UV set that it has
+    static constexpr uint8_t noFrame = 255;
+    uint8_t frameSet = noFrame; // the UV set along which tangents run; noFrame: the material asks for none
     uint32_t triangles() const noexcept { return uint32_t(indices.size() / 3); }
+    bool deforms() const noexcept { return !steps.empty(); }
+    const std::vector<Vec3>& positionsAt(std::size_t step) const noexcept { return step == 0 ? positions : steps[step - 1].positions; }
+    const std::vector<Vec3>& normalsAt(std::size_t step) const noexcept { return step == 0 ? normals : steps[step - 1].normals; }
+    const std::vector<Vec4>& tangentsAt(std::size_t step) const noexcept { return step == 0 ? tangents : steps[step - 1].tangents; }
     std::span<const uint32_t, 3> triangle(uint32_t i) const noexcept {
         return std::span<const uint32_t, 3>(&indices[std::size_t(i) * 3], 3);
     }

@@ -4,8 +4,10 @@
 #include "core/render/fault.h"
 #include "core/render/in_parallel.h"
 #include "core/scene/accel.h"
+#include "core/scene/geometry.h"
 #include "core/scene/lights_builder.h"
 #include "core/scene/scene_hash.h"
+#include "core/scene/swept_bounds.h"
 #include <algorithm>
 #include <fmt/format.h>
 #include <optional>
@@ -13,16 +15,6 @@
 namespace chiaro {
 
 namespace {
-
-struct Bounds {
-    Vec3d low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
-    void add(const Vec3d& p) noexcept {
-        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
-    bool empty() const noexcept { return low.x > high.x; }
-    Vec3d corner(int i) const noexcept { return {i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z}; }
-};
 
 Affine moved(Affine m, const Vec3d& centre) noexcept {
     m.m[0][3] -= centre.x;
@@ -47,6 +39,13 @@ AffineT<float> narrowed(const Affine& m) noexcept {
     return r;
 }
 
+Affine widened(const AffineT<float>& m) noexcept {
+    Affine r;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 4; ++j) r.m[i][j] = double(m.m[i][j]);
+    return r;
+}
+
 // A ray has no image under a map that flattens space, and beyond one an object is inside out: at such steps it is what it is at the last
 // sound step (before the first of these: at that one), a ten-thousandth of the size. How many were mended; all of them: no step is sound.
 std::size_t mend(MotionDesc& maps) {
@@ -67,36 +66,7 @@ std::size_t mend(MotionDesc& maps) {
     return mended;
 }
 
-// Where a box is at any time of a motion. Between two keys a corner leaves the straight way by the height of its arc at most, and by what
-// turning and stretching at once add to it.
-void addSwept(Bounds& world, const Bounds& box, const Motion& motion) {
-    const std::span<const Motion::Key> keys = motion.keys();
-    const auto stretched = [](const Motion::Key& k, const Vec3d& p) {
-        const auto& s = k.stretch;
-        return Vec3d{s[0][0] * p.x + s[0][1] * p.y + s[0][2] * p.z, s[1][1] * p.y + s[1][2] * p.z, s[2][2] * p.z};
-    };
-    for (std::size_t i = 0; i + 1 < keys.size(); ++i) {
-        double cosine = 0;
-        for (int c = 0; c < 4; ++c) cosine += keys[i].rotation[c] * keys[i + 1].rotation[c];
-        const double half = std::acos(std::clamp(cosine, -1.0, 1.0)); // of the turn
-        for (int corner = 0; corner < 8; ++corner) {
-            const Vec3d p = box.corner(corner), from = stretched(keys[i], p), to = stretched(keys[i + 1], p);
-            const double bulge = std::max(length(from), length(to)) * (1 - std::cos(half)) + length(to - from) * half / 2;
-            for (const Motion::Key* k : {&keys[i], &keys[i + 1]}) {
-                const Vec3d q = Motion::compose(*k).point(p), pad{bulge, bulge, bulge};
-                world.add(q - pad);
-                world.add(q + pad);
-            }
-        }
-    }
-}
-
 template <class T> std::size_t heldBy(const std::vector<T>& v) noexcept { return v.capacity() * sizeof(T); }
-
-std::size_t bytesOf(const Geometry& g) noexcept {
-    return heldBy(g.positions) + heldBy(g.indices) + heldBy(g.normals) + heldBy(g.tangents) + heldBy(g.uv[0]) + heldBy(g.uv[1]) +
-           heldBy(g.colors);
-}
 
 } // namespace
 
@@ -122,6 +92,8 @@ private:
     void draw(uint32_t geometry, uint32_t instance, const InstanceDesc&, std::size_t primitive);
     void add(const std::vector<Source>&, bool keep); // keep: the primitives are needed again
     Geometry geometry(PrimitiveDesc, const std::optional<Affine>& toWorld) const;
+    void shapes();
+    uint32_t stillMotion(const Affine&);
     void count();
     void lights();
     std::size_t lightBytes() const;
@@ -137,7 +109,8 @@ void SceneCompiler::materials() {
     scene_->materials_ = std::move(desc_.materials);
     scene_->materials_.push_back(MaterialDesc{}); // glTF's default, for primitives without one
     scene_->materials_.back().name = "default";
-    scene_->textures_ = Textures(std::move(desc_.images), std::move(desc_.textures));
+    std::vector<Pyramids> pyramids = wantedPyramids(scene_->materials_, desc_.textures, desc_.images.size());
+    scene_->textures_ = Textures(std::move(desc_.images), std::move(desc_.textures), std::move(pyramids), run_);
 }
 
 // Leaves a motion only to what moves while the shutter is open, every step of it invertible, and begins it where the thing stands.
@@ -161,17 +134,40 @@ void SceneCompiler::motions() {
                                 desc_.name, mended, mended == 1 ? "instance goes" : "instances go"));
 }
 
+// Leaves steps only to what changes its shape while the shutter is open.
+void SceneCompiler::shapes() {
+    const bool open = desc_.shutter.close > desc_.shutter.open;
+    for (MeshDesc& mesh : desc_.meshes)
+        for (PrimitiveDesc& p : mesh.primitives) {
+            if (p.steps.size() >= Motion::mostKeys)
+                throw Error(Exit::unsupported, fmt::format("{}: mesh \"{}\" has {} shapes over the shutter, more than {}", desc_.name,
+                                                           mesh.name, p.steps.size() + 1, Motion::mostKeys));
+            const auto same = [&p](const ShapeDesc& s) { return s.positions == p.positions && s.normals == p.normals; };
+            if (!open || std::all_of(p.steps.begin(), p.steps.end(), same)) p.steps.clear();
+        }
+}
+
 uint32_t SceneCompiler::addMotion(MotionDesc maps) {
     for (Affine& m : maps) m = moved(m, scene_->centre_);
     scene_->motions_.emplace_back(maps, desc_.shutter);
     return uint32_t(scene_->motions_.size() - 1);
 }
 
+// Of a light that changes its shape but stays where it is.
+uint32_t SceneCompiler::stillMotion(const Affine& place) {
+    const Affine twice[] = {place, place};
+    scene_->motions_.emplace_back(twice, desc_.shutter);
+    return uint32_t(scene_->motions_.size() - 1);
+}
+
 void SceneCompiler::centre() {
     std::vector<Bounds> local(desc_.meshes.size());
     inParallel(run_, local.size(), [&](uint64_t i) {
-        for (const PrimitiveDesc& p : desc_.meshes[i].primitives)
+        for (const PrimitiveDesc& p : desc_.meshes[i].primitives) {
             for (const Vec3& v : p.positions) local[i].add(cast<double>(v));
+            for (const ShapeDesc& s : p.steps)
+                for (const Vec3& v : s.positions) local[i].add(cast<double>(v));
+        }
     });
     Bounds world;
     for (const InstanceDesc& in : desc_.instances)
@@ -193,39 +189,9 @@ void SceneCompiler::centre() {
     scene_->radius_ = radius > 0 ? float(radius) : 1.f;
 }
 
-// Indices, winding and attributes of one primitive; with a map, in world space.
 Geometry SceneCompiler::geometry(PrimitiveDesc p, const std::optional<Affine>& toWorld) const {
-    Geometry g;
-    g.positions = std::move(p.positions);
-    g.positions.reserve(g.positions.size() + 1);
-    g.normals = std::move(p.normals);
-    g.tangents = std::move(p.tangents);
-    g.indices = std::move(p.indices);
-    g.colors = std::move(p.colors);
-    for (int k = 0; k < 2; ++k) g.uv[k] = std::move(p.uv[k]);
-    g.material = p.material < 0 ? uint32_t(scene_->materials_.size() - 1) : uint32_t(p.material);
-    const MaterialDesc& m = scene_->materials_[g.material];
-    g.cutOut = m.alphaMode != AlphaMode::opaque;
-    if (toWorld) {
-        const bool flip = toWorld->determinant() < 0;
-        const auto normal = [&](const Vec3& n) {
-            return fault(Fault::normalsByMatrix) ? toWorld->vector(cast<double>(n)) : toWorld->normal(cast<double>(n));
-        };
-        for (Vec3& v : g.positions) v = cast<float>(toWorld->point(cast<double>(v)));
-        // One factor for all: normals of unequal length would interpolate to another direction than those of an instance do.
-        double longest = 0;
-        for (const Vec3& n : g.normals) longest = std::max(longest, length(normal(n)));
-        for (Vec3& n : g.normals) n = longest > 0 ? cast<float>(normal(n) * ((flip ? -1 : 1) / longest)) : Vec3{};
-        for (Vec4& t : g.tangents) {
-            const Vec3 w = cast<float>(toWorld->vector(Vec3d{t.x, t.y, t.z}));
-            t = {w.x, w.y, w.z, flip ? -t.w : t.w};
-        }
-        // Under a mirroring map the front is the clockwise side (glTF 2.0, 3.7.4): store it counter-clockwise again.
-        if (flip)
-            for (std::size_t i = 0; i + 2 < g.indices.size(); i += 3) std::swap(g.indices[i + 1], g.indices[i + 2]);
-    }
-    g.positions.push_back({}); // room for Embree's 16-byte loads
-    return g;
+    const uint32_t material = p.material < 0 ? uint32_t(scene_->materials_.size() - 1) : uint32_t(p.material);
+    return makeGeometry(std::move(p), toWorld, material, scene_->materials_[material]);
 }
 
 void SceneCompiler::draw(uint32_t geometry, uint32_t instance, const InstanceDesc& in, std::size_t primitive) {
@@ -320,7 +286,7 @@ void SceneCompiler::lights() {
     for (uint32_t i = 0; i < top_; ++i) {
         Geometry& g = scene_->geometries_[i];
         if (!shines(g)) continue;
-        g.firstLight = builder.addMesh(g, i, nullptr, Hit::none);
+        g.firstLight = builder.addMesh(g, i, nullptr, Hit::none, g.deforms() ? stillMotion({}) : Lights::none);
         n.emissiveTriangles += g.triangles();
         ++n.emissiveMeshes;
     }
@@ -329,7 +295,8 @@ void SceneCompiler::lights() {
         for (uint32_t k = 0; k < in.geometryCount; ++k) {
             const Geometry& g = scene_->geometries_[in.firstGeometry + k];
             if (!shines(g)) continue;
-            in.firstLights[k] = builder.addMesh(g, in.firstGeometry + k, &in, i);
+            const uint32_t motion = g.deforms() && in.motion == Hit::none ? stillMotion(widened(in.toWorld)) : in.motion;
+            in.firstLights[k] = builder.addMesh(g, in.firstGeometry + k, &in, i, motion);
             n.emissiveTriangles += g.triangles();
             ++n.emissiveMeshes;
         }
@@ -346,14 +313,16 @@ std::size_t SceneCompiler::lightBytes() const {
     const Lights& l = scene_->lights_;
     std::size_t sum = heldBy(l.triangles_) + heldBy(l.punctual_) + (l.finite_.size() + l.outside_.size()) * cell +
                       heldBy(l.outsideLights_) + l.tree_.bytes();
-    if (l.environment_) sum += heldBy(l.environment_->texels) + heldBy(l.environment_->rowCosine) + l.environment_->table.size() * cell;
+    if (l.environment_) sum += l.environment_->bytes();
     return sum;
 }
 
 std::unique_ptr<const Scene> SceneCompiler::run(const std::string& isa) {
     scene_->name_ = desc_.name;
     scene_->shutter_ = desc_.shutter;
+    scene_->clock_ = ShutterClock(desc_.shutter);
     materials();
+    shapes();
     motions();
     centre();
     place();

@@ -61,16 +61,50 @@ struct MaterialDesc {
     bool volume = false;              // KHR_materials_volume with thickness above 0: solid; otherwise transmission is a thin pane
     float attenuationDistance = std::numeric_limits<float>::infinity();
     Spectrum attenuationColor{1};
+    float clearcoat = 0, clearcoatRoughness = 0; // KHR_materials_clearcoat
+    TextureSlot clearcoatTexture;                // linear, R
+    TextureSlot clearcoatRoughnessTexture;       // linear, G
+    TextureSlot clearcoatNormalTexture;          // linear; none: the interpolated normal
+    float clearcoatNormalScale = 1;
+    Spectrum sheenColor{0}; // KHR_materials_sheen
+    float sheenRoughness = 0;
+    TextureSlot sheenColorTexture;                    // sRGB
+    TextureSlot sheenRoughnessTexture;                // linear, A
+    float anisotropy = 0, anisotropyRotation = 0;     // KHR_materials_anisotropy; radians counter-clockwise from the tangent
+    TextureSlot anisotropyTexture;                    // linear: RG direction (2 c - 1), B strength
+    float iridescence = 0, iridescenceIor = 1.3f;     // KHR_materials_iridescence
+    float iridescenceMin = 100, iridescenceMax = 400; // thickness of the film, nanometres; without a texture it is the maximum
+    TextureSlot iridescenceTexture;                   // linear, R
+    TextureSlot iridescenceThicknessTexture;          // linear, G: from the minimum to the maximum
+    float dispersion = 0;                             // KHR_materials_dispersion: 20 / Abbe number
+    float diffuseTransmission = 0;                    // KHR_materials_diffuse_transmission
+    Spectrum diffuseTransmissionColor{1};
+    TextureSlot diffuseTransmissionTexture;      // linear, A
+    TextureSlot diffuseTransmissionColorTexture; // sRGB
+    // KHR_materials_pbrSpecularGlossiness: baseColor is the diffuse colour, specularColor the reflectance at normal incidence; metallic,
+    // roughness, ior and specular have no say.
+    bool specularGlossiness = false;
+    float glossiness = 1;                  // roughness = 1 - glossiness
+    TextureSlot specularGlossinessTexture; // RGB sRGB: specularColor, A linear: glossiness
 };
 
+inline constexpr int uvSets = 4; // that a primitive can carry: TextureSlot::uvSet lies below
+// The vertices of a primitive at another moment: as many positions, normals and tangents as it has itself.
+struct ShapeDesc {
+    std::vector<Vec3> positions, normals;
+    std::vector<Vec4> tangents;
+};
 // One triangle list with one material. Attributes are empty or as long as positions.
 struct PrimitiveDesc {
     std::vector<Vec3> positions, normals;
     std::vector<Vec4> tangents; // w: sign of the bitangent, cross(n, t) * w
-    std::vector<Point2> uv[2];
+    std::vector<Point2> uv[uvSets];
     std::vector<Vec4> colors;      // linear, multiplies the base colour and alpha
     std::vector<uint32_t> indices; // three a triangle, counter-clockwise seen from the front
     int material = -1;             // -1: glTF's default material
+    // Of what changes its shape while the shutter is open: how it is at equal steps of time, after its shape at the opening, which stands
+    // above; the last at the closing. Between two steps everything goes linearly. Empty: it keeps its shape. 128 steps at most.
+    std::vector<ShapeDesc> steps = {};
 };
 struct MeshDesc {
     std::string name;

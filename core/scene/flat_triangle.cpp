@@ -6,7 +6,7 @@ namespace chiaro {
 
 bool Scene::flat(const Hit& hit, FlatTriangle& f) const noexcept {
     const Geometry& g = geometries_[hit.geometry];
-    if (hit.instance != Hit::none || !g.normals.empty() || !g.colors.empty()) return false;
+    if (hit.instance != Hit::none || !g.normals.empty() || !g.colors.empty() || g.deforms()) return false;
     const auto i = g.triangle(hit.triangle);
     const Vec3 &a = g.positions[i[0]], &b = g.positions[i[1]], &c = g.positions[i[2]];
     f.a = a;

@@ -47,11 +47,12 @@ Lights::Triangle Lights::placed(const Triangle& t, float time) const noexcept {
     if (t.motion == none) return t;
     const Motion& motion = scene_->motion(t.motion);
     const AffineT<float> m = motion.at(time);
+    const auto [p, q, r] = scene_->localCorners(t.geometry, t.triangle, time);
     Triangle w = t;
-    w.p = m.point(t.p);
-    w.e1 = m.vector(t.e1);
-    w.e2 = m.vector(t.e2);
-    const Vec3 n = m.normal(cross(t.e1, t.e2));
+    w.p = m.point(p);
+    w.e1 = m.vector(q - p);
+    w.e2 = m.vector(r - p);
+    const Vec3 n = m.normal(cross(q - p, r - p));
     const float twice = length(n);
     w.area = twice / 2;
     w.ng = twice > 0 ? n * ((m.determinant() < 0 ? -1.f : 1.f) / twice) : Vec3{0, 0, 1};
@@ -116,45 +117,10 @@ std::optional<LightSample> Lights::samplePunctual(const Punctual& l, const Surfa
     return s;
 }
 
-Vec4 Lights::skyAt(const Vec3& world) const noexcept {
-    const Environment& e = *environment_;
-    const Vec3 d{world.x * e.cosRotate - world.z * e.sinRotate, world.y, world.x * e.sinRotate + world.z * e.cosRotate};
-    const float turn = fault(Fault::skyHalfTexel) ? 0.5f / float(e.width) : fault(Fault::skyQuarterTurn) ? 0.25f : 0.f;
-    const float u = 0.5f + std::atan2(d.z, d.x) / (2 * pi) + turn, v = std::acos(std::clamp(d.y, -1.f, 1.f)) / pi;
-    const float px = u * float(e.width), py = v * float(e.height);
-    // Around the horizon the picture goes on at its other side; above and below it ends.
-    const auto at = [&e](int x, int y) -> const Vec4& {
-        const int column = x < 0 ? x + e.width : x >= e.width ? x - e.width : x;
-        return e.texels[std::size_t(std::clamp(y, 0, e.height - 1)) * e.width + std::clamp(column, 0, e.width - 1)];
-    };
-    const Vec4& own = at(int(px), int(py));
-    if (e.filter == TextureFilter::nearest) return own;
-    const float x0 = std::floor(px - 0.5f), y0 = std::floor(py - 0.5f), fx = px - 0.5f - x0, fy = py - 0.5f - y0;
-    const int x = int(x0), y = int(y0);
-    const Vec4 &a = at(x, y), &b = at(x + 1, y), &c = at(x, y + 1), &f = at(x + 1, y + 1);
-    const float wa = (1 - fx) * (1 - fy), wb = fx * (1 - fy), wc = (1 - fx) * fy, wf = fx * fy;
-    return {a.x * wa + b.x * wb + c.x * wc + f.x * wf, a.y * wa + b.y * wb + c.y * wc + f.y * wf, a.z * wa + b.z * wb + c.z * wc + f.z * wf,
-            own.w};
-}
-
 std::optional<LightSample> Lights::sampleEnvironment(const SurfacePoint& from, double uCell, Point2 u) const noexcept {
-    const Environment& e = *environment_;
-    if (e.table.empty()) return {};
-    const Choice c = e.table.choose(uCell, u.x);
-    const uint32_t row = c.index / uint32_t(e.width), column = c.index % uint32_t(e.width);
-    // Uniform in solid angle inside the texel: no sine in the density, nothing special at the poles.
-    const float y = e.rowCosine[row] + (e.rowCosine[row + 1] - e.rowCosine[row]) * u.y;
-    const float phi = ((float(column) + c.u) / float(e.width) - 0.5f) * 2 * pi, radius = safeSqrt((1 - y) * (1 + y));
-    const Vec3 d{radius * std::cos(phi), y, radius * std::sin(phi)};
-    LightSample s;
-    s.kind = LightKind::environment;
-    s.wi = {d.x * e.cosRotate + d.z * e.sinRotate, d.y, -d.x * e.sinRotate + d.z * e.cosRotate};
-    const Vec4 sky = e.filter == TextureFilter::nearest ? e.texels[c.index] : skyAt(s.wi);
-    s.radiance = {sky.x, sky.y, sky.z};
-    s.pdfW = e.texels[c.index].w; // of the texel that was drawn, should rounding have moved the direction into another
-    s.shadow = from.towards(s.wi);
-    s.light = count() - 1;
-    return s;
+    const auto sky = environment_->sample(uCell, u);
+    if (!sky) return {};
+    return LightSample{sky->radiance, sky->wi, from.towards(sky->wi), sky->pdfW, false, LightKind::environment, count() - 1};
 }
 
 Spectrum Lights::emission(const SurfacePoint& at) const noexcept {
@@ -190,7 +156,7 @@ LightHit Lights::found(const SurfacePoint& at, const Vec3& wo, const SurfacePoin
 
 LightHit Lights::miss(const Ray& ray, const SurfacePoint* from) const noexcept {
     if (!environment_) return {};
-    const Vec4 sky = skyAt(ray.d);
+    const Vec4 sky = environment_->at(ray.d);
     return {{sky.x, sky.y, sky.z}, from ? pickEnvironment_ * sky.w : 0, LightKind::environment};
 }
 

@@ -9,6 +9,7 @@
 #include "core/render/events.h"
 #include "core/scene/desc.h"
 #include "core/scene/light_tree.h"
+#include "core/scene/sky.h"
 #include <optional>
 #include <span>
 #include <string>
@@ -79,7 +80,8 @@ public:
     // This light; pdfW without the choice.
     std::optional<LightSample> sampleOne(uint32_t light, const SurfacePoint& from, double uPick, Point2 u) const noexcept;
     uint32_t count() const noexcept;
-    bool hasEnvironment() const noexcept { return environment_.has_value() && environment_->power > 0; }
+    bool hasEnvironment() const noexcept { return environment_.has_value() && !environment_->black(); }
+    const Sky* sky() const noexcept { return environment_ ? &*environment_ : nullptr; }
     float pmf(uint32_t light) const noexcept;                           // of choosing it by power, as emit() does
     float pmf(uint32_t light, const SurfacePoint& from) const noexcept; // of choosing it towards a point, as sampleTowards() does
     // Emission of a surface towards wo. from: where the ray came from, null for a camera.
@@ -107,7 +109,9 @@ public:
         float error = 0, power = 0;
         uint32_t geometry = 0, triangle = 0, instance = Hit::none, material = 0;
         bool doubleSided = false;
-        uint32_t motion = none; // of its instance; the corners above are then those of the mesh itself, unmoved, the area the mean one
+        // Of its instance, or of one that rests where the mesh deforms; the corners above are then those of the mesh itself at the opening
+        // of the shutter, unmoved, the area the mean one.
+        uint32_t motion = none;
     };
     // What sampleTowards() looks up, for loops over lanes that do the same for many points at once.
     bool byTree() const noexcept { return !tree_.empty(); }
@@ -128,15 +132,6 @@ private:
         std::string name;
         uint32_t motion = none; // of the scene; p and axis are then those at the opening of the shutter
     };
-    struct Environment {
-        int width = 0, height = 0;
-        TextureFilter filter = TextureFilter::linear;
-        std::vector<Vec4> texels;     // radiance, and the density per steradian with which a direction in the texel is chosen
-        std::vector<float> rowCosine; // cos(theta) at the upper edge of each row, and -1
-        AliasTable table;
-        float cosRotate = 1, sinRotate = 0;
-        double power = 0;
-    };
     // Of a moving light: as it is in the world at a time, its area and front too. For one that rests, itself.
     Triangle placed(const Triangle&, float time) const noexcept;
     struct Place {
@@ -154,14 +149,13 @@ private:
     // Emission of a hit on a triangle whose front and area at that time are these.
     LightHit found(const SurfacePoint& emitter, const Vec3& wo, const SurfacePoint* from, const Vec3& ng, float area) const noexcept;
     Choice choose(const SurfacePoint&, double u, float uTest) const noexcept; // of the finite lights; pmf 0: none
-    // Radiance from a direction, and the density of sampling it (w).
-    Vec4 skyAt(const Vec3& direction) const noexcept;
     Spectrum emission(const SurfacePoint&) const noexcept;
 
     const Scene* scene_ = nullptr;
     std::vector<Triangle> triangles_; // lights 0 .. n-1; then the punctual ones; then the environment
     std::vector<Punctual> punctual_;
-    std::optional<Environment> environment_;
+    std::optional<Sky> environment_;
+    double skyPower_ = 0;
     AliasTable finite_;         // over the triangles and the punctual lights
     float pickEnvironment_ = 0; // probability of the environment; the rest goes to the finite lights
     // Towards a point: the tree holds what rests at a place, the table the others (directional, moving). Empty: finite_ chooses.

@@ -1,6 +1,5 @@
 #include "core/scene/lights_builder.h"
 #include "core/render/fault.h"
-#include <cstring>
 #include <map>
 #include <numeric>
 
@@ -45,23 +44,30 @@ double LightsBuilder::meanEmission(const Lights::Triangle& t) const {
 
 namespace {
 
-// Twice the area of a moving triangle, its mean over the motion; n: the cross product of its edges in the mesh.
-float meanTwice(const Motion& motion, const Vec3& n) {
+// Twice the area of a moving triangle, its mean over the motion and the shapes.
+float meanTwice(const Motion& motion, const Geometry& g, uint32_t triangle) {
+    const std::span<const Motion::Key> keys = motion.keys();
+    const std::size_t moments = std::max(keys.size(), g.steps.size() + 1);
+    const auto corner = g.triangle(triangle);
     double sum = 0;
-    for (const Motion::Key& k : motion.keys()) sum += length(Motion::compose(k).normal(cast<double>(n)));
-    return float(sum / double(motion.keys().size()));
+    for (std::size_t i = 0; i < moments; ++i) {
+        const auto& p = g.positionsAt(i * g.steps.size() / (moments - 1));
+        const Vec3 n = cross(p[corner[1]] - p[corner[0]], p[corner[2]] - p[corner[0]]);
+        sum += length(Motion::compose(keys[i * (keys.size() - 1) / (moments - 1)]).normal(cast<double>(n)));
+    }
+    return float(sum / double(moments));
 }
 
 } // namespace
 
-uint32_t LightsBuilder::addMesh(const Geometry& g, uint32_t geometry, const Instance* instance, uint32_t instanceIndex) {
+uint32_t LightsBuilder::addMesh(const Geometry& g, uint32_t geometry, const Instance* instance, uint32_t instanceIndex, uint32_t motion) {
     const MaterialDesc& m = scene_.material(g.material);
     const auto first = uint32_t(lights_.triangles_.size());
     lamps_ += pieces(g);
     for (uint32_t i = 0; i < g.triangles(); ++i) {
         const auto corner = g.triangle(i);
         Vec3 p[3] = {g.positions[corner[0]], g.positions[corner[1]], g.positions[corner[2]]};
-        const bool moves = instance && instance->motion != Hit::none;
+        const bool moves = motion != Lights::none;
         if (instance && !moves)
             for (Vec3& q : p) q = instance->toWorld.point(q);
         Lights::Triangle t;
@@ -69,7 +75,7 @@ uint32_t LightsBuilder::addMesh(const Geometry& g, uint32_t geometry, const Inst
         t.e1 = p[1] - p[0];
         t.e2 = p[2] - p[0];
         const Vec3 n = cross(t.e1, t.e2);
-        const float twice = moves ? meanTwice(scene_.motion(instance->motion), n) : length(n);
+        const float twice = moves ? meanTwice(scene_.motion(motion), g, i) : length(n);
         t.area = twice / 2;
         t.ng = twice > 0 ? n * ((instance && instance->flipped ? -1.f : 1.f) / twice) : Vec3{0, 0, 1};
         t.error = 8 * 0x1p-23f * max(maxAbs(p[0]), max(maxAbs(p[1]), maxAbs(p[2])));
@@ -77,7 +83,7 @@ uint32_t LightsBuilder::addMesh(const Geometry& g, uint32_t geometry, const Inst
         t.triangle = i;
         t.instance = instanceIndex;
         t.material = g.material;
-        if (moves) t.motion = instance->motion;
+        t.motion = motion;
         t.doubleSided = m.doubleSided || m.unlit || fault(Fault::lampTwoSided);
         t.power = float(meanEmission(t) * double(t.area) * double(pi) * (t.doubleSided ? 2 : 1));
         lights_.triangles_.push_back(t);
@@ -130,56 +136,9 @@ void LightsBuilder::addPunctual(const PunctualDesc& d, const Vec3d& centre, floa
     lights_.punctual_.push_back(l);
 }
 
-namespace {
-
-// What the look-up shows on average over each texel: the texels themselves, or with a linear filter their blend with the neighbours (the
-// tent over a texel: 1/8, 3/4, 1/8 along each axis). So no direction that shines is left without density.
-std::vector<double> meanLuminance(std::span<const Vec4> texels, int width, int height, TextureFilter filter) {
-    std::vector<double> own(texels.size());
-    for (std::size_t i = 0; i < own.size(); ++i) own[i] = std::max(0.0, double(luminance(Spectrum(texels[i].x, texels[i].y, texels[i].z))));
-    if (filter == TextureFilter::nearest) return own;
-    std::vector<double> across(own.size()), mean(own.size());
-    const auto index = [width](int x, int y) { return std::size_t(y) * width + x; };
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x)
-            across[index(x, y)] =
-                0.75 * own[index(x, y)] + 0.125 * (own[index((x + width - 1) % width, y)] + own[index((x + 1) % width, y)]);
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x)
-            mean[index(x, y)] =
-                0.75 * across[index(x, y)] + 0.125 * (across[index(x, std::max(0, y - 1))] + across[index(x, std::min(height - 1, y + 1))]);
-    return mean;
-}
-
-} // namespace
-
 void LightsBuilder::setEnvironment(const EnvironmentDesc& d, float sceneRadius) {
-    Lights::Environment e;
-    e.width = d.image.width;
-    e.height = d.image.height;
-    e.cosRotate = std::cos(d.rotate);
-    e.sinRotate = std::sin(d.rotate);
-    for (int row = 0; row <= e.height; ++row) e.rowCosine.push_back(float(std::cos(double(pi) * row / e.height)));
-    e.rowCosine.back() = -1;
-    const std::size_t count = std::size_t(e.width) * e.height;
-    std::vector<float> rgb(count * 3);
-    std::memcpy(rgb.data(), d.image.pixels.data(), rgb.size() * sizeof(float));
-    e.filter = d.filter;
-    std::vector<double> solidAngle(e.height);
-    for (int y = 0; y < e.height; ++y)
-        solidAngle[y] =
-            (std::cos(std::numbers::pi * y / e.height) - std::cos(std::numbers::pi * (y + 1) / e.height)) * 2 * std::numbers::pi / e.width;
-    for (std::size_t i = 0; i < count; ++i)
-        e.texels.push_back({rgb[3 * i] * d.scale, rgb[3 * i + 1] * d.scale, rgb[3 * i + 2] * d.scale, 0});
-    std::vector<double> weights = meanLuminance(e.texels, e.width, e.height, e.filter);
-    for (std::size_t i = 0; i < count; ++i) weights[i] *= solidAngle[i / e.width];
-    e.table = AliasTable(weights);
-    if (!e.table.empty())
-        for (std::size_t i = 0; i < count; ++i)
-            e.texels[i].w = float(double(e.table.pmf(uint32_t(i))) /
-                                  (fault(Fault::skySineMissing) ? 4 * double(pi) / double(count) : solidAngle[i / e.width]));
-    e.power = e.table.sum() * double(pi) * sceneRadius * sceneRadius;
-    lights_.environment_ = std::move(e);
+    lights_.environment_.emplace(d);
+    lights_.skyPower_ = lights_.environment_->irradiance() * double(pi) * sceneRadius * sceneRadius;
 }
 
 void LightsBuilder::finish(const Executor* run) {
@@ -187,7 +146,7 @@ void LightsBuilder::finish(const Executor* run) {
     for (const Lights::Triangle& t : lights_.triangles_) power.push_back(t.power);
     for (const Lights::Punctual& p : lights_.punctual_) power.push_back(p.power);
     lights_.finite_ = AliasTable(power);
-    const double sky = lights_.environment_ ? lights_.environment_->power : 0;
+    const double sky = lights_.skyPower_;
     lights_.power_ = lights_.finite_.sum() + sky;
     if (lamps_ > few) plantTree(run);
     const double share = lights_.power_ > 0 ? sky / lights_.power_ : 0;
@@ -204,7 +163,7 @@ std::vector<LightInfo> Lights::describe() const {
     for (const auto& [material, info] : meshes) all.push_back(info);
     static constexpr const char* kinds[] = {"point", "spot", "directional"};
     for (const Punctual& p : punctual_) all.push_back({p.name, kinds[int(p.kind)], p.power, 0});
-    if (environment_) all.push_back({"environment", "environment", environment_->power, 0});
+    if (environment_) all.push_back({"environment", "environment", skyPower_, 0});
     return all;
 }
 

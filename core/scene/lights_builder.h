@@ -11,8 +11,9 @@ class LightsBuilder {
 public:
     // geometries, materials and textures of the scene must be in place; `lights` is the scene's own, emission look-ups go through it.
     LightsBuilder(const Scene& scene, Lights& lights) : scene_(scene), lights_(lights) { lights_.scene_ = &scene; }
-    // The emissive triangles of one geometry under one placement (null: it lies in world space); returns the first light's number.
-    uint32_t addMesh(const Geometry&, uint32_t geometry, const Instance*, uint32_t instance);
+    // The emissive triangles of one geometry under one placement (null: it lies in world space); returns the first light's number. motion:
+    // of the scene, Lights::none at rest; what deforms has one.
+    uint32_t addMesh(const Geometry&, uint32_t geometry, const Instance*, uint32_t instance, uint32_t motion);
     // motion: of the scene, Lights::none at rest.
     void addPunctual(const PunctualDesc&, const Vec3d& centre, float sceneRadius, uint32_t motion);
     void setEnvironment(const EnvironmentDesc&, float sceneRadius);

@@ -138,7 +138,7 @@ EmissionPdf Lights::emissionPdf(const Ray& ray, const SurfacePoint* from) const 
     EmissionPdf d;
     d.pmf = pickEnvironment_;
     d.pdfA = discPdfA(scene_->radius());
-    d.pdfW = skyAt(ray.d).w;
+    d.pdfW = environment_->at(ray.d).w;
     if (from) d.pdfDirectW = d.pmf * d.pdfW;
     return d;
 }

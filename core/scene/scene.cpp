@@ -17,6 +17,43 @@ template <class T> T interpolate(const std::vector<T>& values, std::span<const u
         return {a.x * w + b.x * u + c.x * v, a.y * w + b.y * u + c.y * v};
 }
 
+// A triangle of a geometry at a time: its corners, what is interpolated on it there, and the largest coordinate that went into it.
+struct Shape {
+    Vec3 a, b, c, ns;
+    Vec4 tangent;
+    float reach = 0;
+};
+
+template <class T> T blend(const T& a, const T& b, float f) noexcept {
+    if constexpr (requires { a.w; })
+        return {a.x * (1 - f) + b.x * f, a.y * (1 - f) + b.y * f, a.z * (1 - f) + b.z * f, a.w * (1 - f) + b.w * f};
+    else
+        return a * (1 - f) + b * f;
+}
+
+// Which two shapes a time lies between, and how far along: counted as Embree counts.
+struct Moment {
+    std::size_t step = 0;
+    float share = 0;
+};
+Moment momentOf(const Geometry& g, float shutterShare) noexcept {
+    const float place = shutterShare * float(g.steps.size());
+    const std::size_t step = std::min(std::size_t(place), g.steps.size() - 1);
+    return {step, place - float(step)};
+}
+
+[[gnu::noinline]] Shape deformed(const Geometry& g, std::span<const uint32_t, 3> i, float u, float v, float shutterShare) noexcept {
+    const auto [step, f] = momentOf(g, shutterShare);
+    const std::vector<Vec3>&p = g.positionsAt(step), &q = g.positionsAt(step + 1);
+    Shape s{blend(p[i[0]], q[i[0]], f), blend(p[i[1]], q[i[1]], f), blend(p[i[2]], q[i[2]], f), {}, {}, 0};
+    for (int k = 0; k < 3; ++k) s.reach = max(s.reach, max(maxAbs(p[i[k]]), maxAbs(q[i[k]])));
+    if (!g.normals.empty()) s.ns = blend(interpolate(g.normalsAt(step), i, u, v), interpolate(g.normalsAt(step + 1), i, u, v), f);
+    if (!g.tangents.empty()) s.tangent = blend(interpolate(g.tangentsAt(step), i, u, v), interpolate(g.tangentsAt(step + 1), i, u, v), f);
+    return s;
+}
+// The bound of what blending two shapes adds to a position, as a share of its reach: three roundings here and three in Embree.
+constexpr float blendSlack = 8 * 0x1p-24f;
+
 // Partial derivatives of the position by (u, v) from one triangle's corners.
 void derivatives(const Vec3& e1, const Vec3& e2, Point2 a, Point2 b, Point2 c, Vec3& dpdu, Vec3& dpdv) noexcept {
     const float du1 = b.x - a.x, dv1 = b.y - a.y, du2 = c.x - a.x, dv2 = c.y - a.y, det = du1 * dv2 - dv1 * du2;
@@ -58,8 +95,10 @@ SurfacePoint Scene::attributes(const Hit& hit) const noexcept {
     const auto i = g.triangle(hit.triangle);
     SurfacePoint s;
     s.material = g.material;
-    for (int k = 0; k < 2; ++k)
-        if (!g.uv[k].empty()) s.uv[k] = interpolate(g.uv[k], i, hit.u, hit.v);
+    s.geometry = hit.geometry, s.triangle = hit.triangle, s.instance = hit.instance;
+    if (g.uvEnd > 0)
+        for (int k = 0; k < uvSets; ++k)
+            if (!g.uv[k].empty()) s.uv[k] = interpolate(g.uv[k], i, hit.u, hit.v);
     if (!g.colors.empty()) s.color = interpolate(g.colors, i, hit.u, hit.v);
     const uint32_t first = hit.instance == Hit::none
                                ? g.firstLight
@@ -73,20 +112,28 @@ SurfacePoint Scene::point(const Hit& hit, const Ray& ray) const noexcept {
     const auto i = g.triangle(hit.triangle);
     SurfacePoint s = attributes(hit);
     s.time = ray.time;
-    const Vec3 &a = g.positions[i[0]], &b = g.positions[i[1]], &c = g.positions[i[2]];
-    Vec3 e1 = b - a, e2 = c - a;
-    s.p = a + e1 * hit.u + e2 * hit.v;
-    s.ng = cross(e1, e2);
-    const bool smooth = !g.normals.empty(), mapped = materials_[g.material].normalTexture.texture >= 0;
-    if (smooth) s.ns = interpolate(g.normals, i, hit.u, hit.v);
-    if (mapped && !g.tangents.empty()) {
-        const Vec4 t = interpolate(g.tangents, i, hit.u, hit.v);
-        s.tangent = {t.x, t.y, t.z};
-        s.tangentSign = t.w < 0 ? -1.f : 1.f;
-    } else if (const int set = materials_[g.material].normalTexture.uvSet; mapped && !g.uv[set].empty()) {
-        derivatives(e1, e2, g.uv[set][i[0]], g.uv[set][i[1]], g.uv[set][i[2]], s.dpdu, s.dpdv);
+    const bool smooth = !g.normals.empty(), framed = g.frameSet != Geometry::noFrame;
+    Shape t;
+    if (g.deforms()) [[unlikely]] {
+        t = deformed(g, i, hit.u, hit.v, clock_.share(ray.time));
+    } else {
+        t.a = g.positions[i[0]], t.b = g.positions[i[1]], t.c = g.positions[i[2]];
+        t.reach = max(maxAbs(t.a), max(maxAbs(t.b), maxAbs(t.c)));
+        if (smooth) t.ns = interpolate(g.normals, i, hit.u, hit.v);
+        if (framed && !g.tangents.empty()) t.tangent = interpolate(g.tangents, i, hit.u, hit.v);
     }
-    float reach = max(maxAbs(a), max(maxAbs(b), maxAbs(c))), interpolated = 0;
+    Vec3 e1 = t.b - t.a, e2 = t.c - t.a;
+    s.p = t.a + e1 * hit.u + e2 * hit.v;
+    s.ng = cross(e1, e2);
+    s.ns = t.ns;
+    if (framed && !g.tangents.empty()) {
+        s.tangent = {t.tangent.x, t.tangent.y, t.tangent.z};
+        s.tangentSign = t.tangent.w < 0 ? -1.f : 1.f;
+    } else if (framed && !g.uv[g.frameSet].empty()) {
+        const auto& uv = g.uv[g.frameSet];
+        derivatives(e1, e2, uv[i[0]], uv[i[1]], uv[i[2]], s.dpdu, s.dpdv);
+    }
+    float reach = t.reach, interpolated = g.deforms() ? blendSlack * reach : 0;
     if (hit.instance != Hit::none) {
         const Instance& in = instances_[hit.instance];
         const Motion* motion = in.motion == Hit::none ? nullptr : &motions_[in.motion];
@@ -108,7 +155,7 @@ SurfacePoint Scene::point(const Hit& hit, const Ray& ray) const noexcept {
             turned = max(turned, stretched);
         }
         reach = world;
-        if (motion) interpolated = motion->slack() * turned + gamma8 * world;
+        interpolated = (motion ? motion->slack() * turned + gamma8 * world : 0) + (g.deforms() ? blendSlack * turned : 0);
     }
     s.error = gamma8 * reach + interpolated;
     s.p = inset(s.p, e1, e2, heightOf(e1, e2, length(s.ng)), hit.u, hit.v, s.error);
@@ -118,15 +165,25 @@ SurfacePoint Scene::point(const Hit& hit, const Ray& ray) const noexcept {
     return s;
 }
 
-std::array<Vec3, 3> Scene::corners(const DrawnPart& part, uint32_t triangle, float time) const noexcept {
-    const Geometry& g = geometries_[part.geometry];
+std::array<Vec3, 3> Scene::localCorners(uint32_t geometry, uint32_t triangle, float time) const noexcept {
+    const Geometry& g = geometries_[geometry];
     const auto i = g.triangle(triangle);
-    std::array<Vec3, 3> at{g.positions[i[0]], g.positions[i[1]], g.positions[i[2]]};
+    if (!g.deforms()) return {g.positions[i[0]], g.positions[i[1]], g.positions[i[2]]};
+    const Shape s = deformed(g, i, 0, 0, clock_.share(time));
+    return {s.a, s.b, s.c};
+}
+
+std::array<Vec3, 3> Scene::corners(const DrawnPart& part, uint32_t triangle, float time) const noexcept {
+    std::array<Vec3, 3> at = localCorners(part.geometry, triangle, time);
     if (part.instance == Hit::none) return at;
     const Instance& in = instances_[part.instance];
     const AffineT<float> toWorld = in.motion == Hit::none ? in.toWorld : motions_[in.motion].at(time);
     for (Vec3& p : at) p = toWorld.point(p);
     return at;
+}
+
+bool Scene::moves(const DrawnPart& part) const noexcept {
+    return geometries_[part.geometry].deforms() || (part.instance != Hit::none && instances_[part.instance].motion != Hit::none);
 }
 
 std::array<uint32_t, 3> Scene::vertices(const DrawnPart& part, uint32_t triangle) const noexcept {

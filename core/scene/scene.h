@@ -17,6 +17,7 @@ namespace chiaro {
 class Accel;
 class Diagnostics;
 class Executor;
+struct ConeSection;
 struct FlatTriangle;
 struct HitPacket;
 struct RayPacket;
@@ -30,10 +31,11 @@ struct SurfacePoint {
     Vec3 tangent;          // of the file, orthogonal to ns, or zero where there is none: then dpdu speaks
     float tangentSign = 1; // bitangent = cross(ns, tangent) * sign
     Vec3 dpdu, dpdv;       // by UV set 0 of the normal map's slot; zero without UVs
-    Point2 uv[2];
+    Point2 uv[uvSets];
     Vec4 color{1, 1, 1, 1}; // vertex colour, linear
     uint32_t material = 0;
     uint32_t light = Lights::none; // the emissive triangle this is
+    uint32_t geometry = Hit::none, triangle = 0, instance = Hit::none; // as in Hit; none: not a point of a triangle
     float error = 0;               // bound of the position's rounding error, metres, in every coordinate
     float time = 0;
 
@@ -90,12 +92,18 @@ public:
     std::array<Vec3, 3> corners(const DrawnPart&, uint32_t triangle, float time) const noexcept;
     // Their numbers among the vertices of the mesh: triangles that share a vertex number share the corner.
     std::array<uint32_t, 3> vertices(const DrawnPart&, uint32_t triangle) const noexcept;
+    bool moves(const DrawnPart&) const noexcept; // its node, or its shape, while the shutter is open
 
     const MaterialDesc& material(uint32_t id) const noexcept { return materials_[id]; }
     std::span<const MaterialDesc> materials() const noexcept { return materials_; }
     const Textures& textures() const noexcept { return textures_; }
-    // RGBA of a slot at a point; white without a texture.
+    // RGBA of a slot at a point; white without a texture. With a footprint: its mean there.
     Vec4 sample(const TextureSlot&, const SurfacePoint&, Transfer) const noexcept;
+    Vec4 sample(const TextureSlot&, const SurfacePoint&, Transfer, const ConeSection&) const noexcept;
+    // Where a cone of this width (metres, across its axis along d) meets the point's triangle (core/scene/ray_cone.h).
+    ConeSection section(const SurfacePoint&, const Vec3& d, float width) const noexcept;
+    // Of the triangle at a point, as its corners' normals tell, per metre; positive where the front is convex, 0 where it is flat.
+    float curvature(const SurfacePoint&) const noexcept;
     // Fraction of light that a surface stops, [0, 1]: alpha under the material's alpha mode.
     float opacity(const SurfacePoint&) const noexcept;
     const Lights& lights() const noexcept { return lights_; }
@@ -113,7 +121,11 @@ public:
 private:
     friend class SceneCompiler;
     friend class WideSurfaces; // core/scene/wide_surfaces.h
+    friend class WideTextures; // core/scene/wide_textures.h
+    friend class Lights;
     Scene();
+    // Corners of a triangle in the space of its geometry.
+    std::array<Vec3, 3> localCorners(uint32_t geometry, uint32_t triangle, float time) const noexcept;
     std::string name_, isa_;
     std::vector<MaterialDesc> materials_;
     Textures textures_;
@@ -124,6 +136,7 @@ private:
     std::vector<DrawnPart> parts_;
     std::vector<Motion> motions_; // of instances and punctual lights
     Interval shutter_;
+    ShutterClock clock_;
     std::unique_ptr<Accel> accel_;
     Vec3d centre_;
     float radius_ = 1;

@@ -1,38 +1,23 @@
 #include "core/scene/texture.h"
 #include "core/render/fault.h"
-#include <cstring>
+#include "core/render/in_parallel.h"
+#include "core/scene/ray_cone.h"
+#include "core/scene/texel_math.h"
+#include "core/scene/texture_slots.h"
 
 namespace chiaro {
 namespace {
 
-template <class T> std::vector<float> decodeTable(bool srgb) {
-    std::vector<float> table(std::size_t(std::numeric_limits<T>::max()) + 1);
-    for (std::size_t i = 0; i < table.size(); ++i) {
-        const float v = float(i) / float(table.size() - 1);
-        table[i] = srgb ? srgbToLinear(v) : v;
-    }
-    return table;
-}
-const std::vector<float>& table8(Transfer t) {
-    static const std::vector<float> linear = decodeTable<uint8_t>(false), srgb = decodeTable<uint8_t>(true);
-    return t == Transfer::srgb ? srgb : linear;
-}
-const std::vector<float>& table16(Transfer t) {
-    static const std::vector<float> linear = decodeTable<uint16_t>(false), srgb = decodeTable<uint16_t>(true);
-    return t == Transfer::srgb ? srgb : linear;
-}
+Vec4 operator+(const Vec4& a, const Vec4& b) noexcept { return {a.x + b.x, a.y + b.y, a.z + b.z, a.w + b.w}; }
+Vec4 operator*(const Vec4& a, float s) noexcept { return {a.x * s, a.y * s, a.z * s, a.w * s}; }
 
-int wrap(int i, int n, Wrap mode) noexcept {
-    if (i >= 0 && i < n) return i;
-    if (mode == Wrap::clamp) return i < 0 ? 0 : n - 1;
-    const int period = mode == Wrap::repeat ? n : 2 * n, m = ((i % period) + period) % period;
-    return m < n ? m : period - 1 - m;
-}
-
-// Texture coordinates far outside any sensible range would overflow the texel index. Two pictures are a period of every mode.
-float tame(float v, Wrap mode) noexcept {
-    if (!std::isfinite(v)) return 0;
-    return mode == Wrap::clamp ? std::clamp(v, -1.f, 2.f) : std::fmod(v, 2.f);
+Vec4 bilinear(const TexelStore& image, const MipLevel& level, const TextureDesc& t, Point2 uv, Transfer transfer) noexcept {
+    const TexelQuad<float> q = texelQuad(uv, level.width, level.height, t.wrapS, t.wrapT);
+    const bool late = fault(Fault::filterBeforeDecode) && transfer == Transfer::srgb;
+    const auto at = [&](uint32_t x, uint32_t y) { return image.texel(level, x, y, late ? Transfer::linear : transfer); };
+    const Vec4 a = at(q.x0, q.y0), b = at(q.x1, q.y0), c = at(q.x0, q.y1), d = at(q.x1, q.y1);
+    const Vec4 m{mixed(q, a.x, b.x, c.x, d.x), mixed(q, a.y, b.y, c.y, d.y), mixed(q, a.z, b.z, c.z, d.z), mixed(q, a.w, b.w, c.w, d.w)};
+    return late ? Vec4{srgbToLinear(m.x), srgbToLinear(m.y), srgbToLinear(m.z), m.w} : m;
 }
 
 } // namespace
@@ -44,57 +29,68 @@ Point2 apply(const float (&m)[2][3], Point2 uv) noexcept {
     return {m[0][0] * uv.x + m[0][1] * uv.y + m[0][2], m[1][0] * uv.x + m[1][1] * uv.y + m[1][2]};
 }
 
-Textures::Textures(std::vector<ImageDesc> images, std::vector<TextureDesc> textures)
-    : images_(std::move(images)), textures_(std::move(textures)) {
-    for (const Transfer t : {Transfer::linear, Transfer::srgb}) table8(t), table16(t);
+std::vector<Pyramids> wantedPyramids(std::span<const MaterialDesc> materials, std::span<const TextureDesc> textures, std::size_t images) {
+    std::vector<Pyramids> wanted(images, Pyramids{false, false});
+    for (const MaterialDesc& m : materials)
+        forEachSlot(m, [&](const TextureSlot& slot, Transfer t) {
+            if (slot.texture < 0 || textures[slot.texture].image < 0) return;
+            Pyramids& image = wanted[textures[slot.texture].image];
+            (t == Transfer::srgb ? image.srgb : image.linear) = true;
+        });
+    return wanted;
 }
 
-int Textures::width(int texture) const noexcept { return images_[textures_[texture].image].width; }
-int Textures::height(int texture) const noexcept { return images_[textures_[texture].image].height; }
+Textures::Textures(std::vector<ImageDesc> images, std::vector<TextureDesc> textures, std::vector<Pyramids> pyramids, const Executor* run)
+    : textures_(std::move(textures)) {
+    pyramids.resize(images.size());
+    std::vector<bool> smooth(images.size(), false);
+    for (const TextureDesc& t : textures_)
+        if (t.image >= 0 && t.filter == TextureFilter::linear) smooth[t.image] = true;
+    std::vector<std::optional<TexelStore>> made(images.size());
+    inParallel(run, images.size(), [&](uint64_t i) {
+        made[i].emplace(images[i], smooth[i] ? pyramids[i] : Pyramids{false, false});
+        images[i].pixels = {};
+    });
+    for (std::optional<TexelStore>& image : made) {
+        for (const Transfer t : {Transfer::linear, Transfer::srgb}) filtered_ = filtered_ || image->levels(t).size() > 1;
+        images_.push_back(std::move(*image));
+    }
+}
 
 std::size_t Textures::bytes() const noexcept {
     std::size_t sum = 0;
-    for (const ImageDesc& i : images_) sum += i.pixels.size();
+    for (const TexelStore& i : images_) sum += i.bytes();
     return sum;
-}
-
-Vec4 Textures::texel(const ImageDesc& image, int x, int y, Transfer transfer) const noexcept {
-    const int n = image.channels;
-    const std::size_t first = (std::size_t(y) * image.width + x) * n;
-    float c[4] = {1, 1, 1, 1};
-    if (image.type == PixelType::u8) {
-        const std::vector<float>& colour = table8(transfer);
-        const auto* p = reinterpret_cast<const uint8_t*>(image.pixels.data()) + first;
-        for (int i = 0; i < n; ++i) c[i] = colour[p[i]];
-        if (n == 2 || n == 4) c[n - 1] = float(p[n - 1]) / 255;
-    } else if (image.type == PixelType::u16) {
-        const std::vector<float>& colour = table16(transfer);
-        uint16_t p[4];
-        std::memcpy(p, image.pixels.data() + first * sizeof p[0], n * sizeof p[0]);
-        for (int i = 0; i < n; ++i) c[i] = colour[p[i]];
-        if (n == 2 || n == 4) c[n - 1] = float(p[n - 1]) / 65535;
-    } else {
-        std::memcpy(c, image.pixels.data() + first * sizeof c[0], n * sizeof c[0]); // floating-point pictures are linear by nature
-    }
-    if (n <= 2) return {c[0], c[0], c[0], n == 2 ? c[1] : 1};
-    return {c[0], c[1], c[2], c[3]};
 }
 
 Vec4 Textures::lookup(int texture, Point2 uv, Transfer transfer) const noexcept {
     const TextureDesc& t = textures_[texture];
-    const ImageDesc& image = images_[t.image];
-    const float x = tame(uv.x, t.wrapS) * float(image.width), y = tame(uv.y, t.wrapT) * float(image.height);
-    const bool late = fault(Fault::filterBeforeDecode) && transfer == Transfer::srgb;
-    const auto at = [&](int i, int j) {
-        return texel(image, wrap(i, image.width, t.wrapS), wrap(j, image.height, t.wrapT), late ? Transfer::linear : transfer);
-    };
-    if (t.filter == TextureFilter::nearest) return at(int(std::floor(x)), int(std::floor(y)));
-    const float x0 = std::floor(x - 0.5f), y0 = std::floor(y - 0.5f), fx = x - 0.5f - x0, fy = y - 0.5f - y0;
-    const int i = int(x0), j = int(y0);
-    const Vec4 a = at(i, j), b = at(i + 1, j), c = at(i, j + 1), d = at(i + 1, j + 1);
-    const auto mix = [&](float p, float q, float r, float s) { return (p * (1 - fx) + q * fx) * (1 - fy) + (r * (1 - fx) + s * fx) * fy; };
-    const Vec4 m{mix(a.x, b.x, c.x, d.x), mix(a.y, b.y, c.y, d.y), mix(a.z, b.z, c.z, d.z), mix(a.w, b.w, c.w, d.w)};
-    return late ? Vec4{srgbToLinear(m.x), srgbToLinear(m.y), srgbToLinear(m.z), m.w} : m;
+    const TexelStore& image = images_[t.image];
+    const MipLevel& level = image.levels(transfer)[0];
+    if (t.filter == TextureFilter::linear) return bilinear(image, level, t, uv, transfer);
+    const float x = tame(uv.x, t.wrapS) * float(level.width), y = tame(uv.y, t.wrapT) * float(level.height);
+    return image.texel(level, wrapped(truncated(floor(x)), level.width, t.wrapS), wrapped(truncated(floor(y)), level.height, t.wrapT),
+                       transfer);
+}
+
+Vec4 Textures::lookup(int texture, Point2 uv, Transfer transfer, Point2 major, Point2 minor) const noexcept {
+    const TextureDesc& t = textures_[texture];
+    const TexelStore& image = images_[t.image];
+    const std::span<const MipLevel> levels = image.levels(transfer);
+    if (t.filter == TextureFilter::nearest || levels.size() == 1) return lookup(texture, uv, transfer);
+    const TexelEllipse<float> e = texelEllipse(major, minor, float(levels[0].width), float(levels[0].height));
+    const auto [level, share] = levelsOf(e.width, uint32_t(levels.size() - 1));
+    const int probes = int(e.probes);
+    Vec4 sum{0, 0, 0, 0};
+    for (int i = 0; i < probes; ++i) {
+        const float along = float(i) - 0.5f * (e.probes - 1);
+        const Point2 at{uv.x + e.step.x * along, uv.y + e.step.y * along};
+        Vec4 v = bilinear(image, levels[level], t, at, transfer);
+        if (share > 0) v = v * (1 - share) + bilinear(image, levels[level + 1], t, at, transfer) * share;
+        if (probes == 1) return v;
+        sum = sum + v;
+    }
+    return sum * (1 / e.probes);
 }
 
 } // namespace chiaro

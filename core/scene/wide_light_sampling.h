@@ -5,6 +5,7 @@
 #include "core/math/wide_sampler.h"
 #include "core/scene/wide_lights.h"
 #include "core/scene/wide_point.h"
+#include "core/scene/wide_sky.h"
 
 namespace chiaro::CHIARO_ISA {
 
@@ -28,24 +29,25 @@ CHIARO_LANE void cells(const WideLights& lights, LightLanes& l) noexcept {
     }
 }
 
+// The first to answer: what it says of lanes that are not in m means nothing.
 CHIARO_LANE void triangleSample(const Float (&w)[20], const WidePoint& at, const Vec2w& u, Mask m, WideLightSample& s) noexcept {
     const Vec3w corner{w[0], w[1], w[2]}, e1{w[3], w[4], w[5]}, e2{w[6], w[7], w[8]};
     const Vec2w b = uniformTriangle(u);
-    const Vec3w p = corner + e1 * b.x + e2 * b.y, ng = cross(e1, e2) * w[9], way = p - at.p;
+    const Vec3w p = mulAdd(e2, b.y, mulAdd(e1, b.x, corner)), ng = cross(e1, e2) * w[9], way = p - at.p;
     const Float distanceSquared = lengthSquared(way);
-    const Vec3w wi = way * (Float(1.f) / sqrt(distanceSquared));
+    const Vec3w wi = way * inverseSqrt(distanceSquared);
     const Float cosine = -dot(wi, ng);
     const Mask bothSides = (floatAsBits(w[16]) & Int(WideLight::doubleSided)) != Int(0u);
     const Mask seen = m & (distanceSquared > Float(0.f)) & ((cosine > Float(0.f)) | (bothSides & (cosine < Float(0.f))));
     const Vec3w from = offset(at.p, at.ng, at.error, way), d = offset(p, ng, w[15], -way) - from;
-    const Float distance = length(d);
-    s.wi = select(m, wi, s.wi);
-    s.radiance = select(m, {w[12], w[13], w[14]}, s.radiance);
-    s.pdfW = select(m, areaToSolidAngle(w[10], distanceSquared, cosine), s.pdfW);
-    s.o = select(m, from, s.o);
-    s.d = select(m, select(distance > Float(0.f), d * (Float(1.f) / distance), at.ng), s.d);
-    s.tfar = select(m, distance * Float(fault(Fault::shadowRayShort) ? 0.9f : 1 - 0x1p-20f), s.tfar);
-    s.arrives = s.arrives | (seen & notBlack(s.radiance));
+    const Float squared = lengthSquared(d), inverse = inverseSqrt(squared), distance = squared * inverse;
+    s.wi = wi;
+    s.radiance = {w[12], w[13], w[14]};
+    s.pdfW = areaToSolidAngle(w[10], distanceSquared, cosine);
+    s.o = from;
+    s.d = select(squared > Float(0.f), d * inverse, at.ng);
+    s.tfar = distance * Float(fault(Fault::shadowRayShort) ? 0.9f : 1 - 0x1p-20f);
+    s.arrives = seen & notBlack(s.radiance);
 }
 
 CHIARO_LANE void punctualSample(const Float (&w)[20], const WidePoint& at, Mask m, WideLightSample& s) noexcept {
@@ -70,6 +72,36 @@ CHIARO_LANE void punctualSample(const Float (&w)[20], const WidePoint& at, Mask 
     s.arrives = s.arrives | (m & (parallel | (distanceSquared > Float(0.f))) & notBlack(s.radiance));
 }
 
+CHIARO_LANE WideSkyTables skyTables(const Sky& sky) noexcept {
+    return {sky.frame(), sky.texels(), sky.cells(), sky.rowCosines(), sky.count(), sky.filter() == TextureFilter::linear};
+}
+// edge: the share of all choices that falls to the sky; lanes beyond it get the last cell.
+CHIARO_LANE Int skyCell(const WideSkyTables& sky, double edge, const WidePick& pick) noexcept {
+    if (edge == 1) return mulHigh(pick.pick, Int(sky.count));
+    alignas(64) uint32_t picks[laneCount];
+    pick.pick.store(picks);
+    for (uint32_t& p : picks) {
+        const double place = double(p) * 0x1p-32 / edge * double(sky.count);
+        p = place < double(sky.count - 1) ? uint32_t(place) : sky.count - 1;
+    }
+    return Int(picks);
+}
+// Towards the sky.
+CHIARO_LANE void environmentSample(const Sky& sky, double edge, const WidePoint& at, const WidePick& pick, Mask m,
+                                   WideLightSample& s) noexcept {
+    if (sky.black()) return;
+    const WideSkyTables tables = skyTables(sky);
+    const Int cell = select(m, skyCell(tables, edge, pick), Int(0u));
+    const WideSkySample sample = skySample(tables, cell, pick.u);
+    s.wi = select(m, sample.wi, s.wi);
+    s.d = select(m, sample.wi, s.d);
+    s.o = select(m, offset(at.p, at.ng, at.error, sample.wi), s.o);
+    s.radiance = select(m, sample.radiance, s.radiance);
+    s.pdfW = select(m, fault(Fault::lightChoiceForgotten) ? sample.pdfW : sample.pdfW * Float(float(edge)), s.pdfW);
+    s.tfar = select(m, Float(infinity), s.tfar);
+    s.arrives = s.arrives | (m & notBlack(sample.radiance));
+}
+
 // Lanes that are answered one by one, by Lights itself.
 CHIARO_LANE void askSample(const WideLights& lights, LightLanes& l, Mask m, WideLightSample& s) noexcept {
     lights.sample(l, m.bits());
@@ -86,7 +118,7 @@ CHIARO_LANE void askSample(const WideLights& lights, LightLanes& l, Mask m, Wide
 // time: of the rays. m: lanes that want a sample; the others hold nothing of use.
 CHIARO_LANE WideLightSample sampleTowards(const WideLights& lights, const WidePoint& at, Float time, Mask m,
                                           const WidePick& pick) noexcept {
-    WideLightSample s{at.ng, Rgbw(Float(0.f)), Float(0.f), at.p, at.ng, Float(0.f), Mask(), Mask()};
+    WideLightSample s;
     LightLanes l;
     if (lights.edge() > 0 || lights.byTree()) pick.pick.store(l.pick);
     const bool finite = lights.finite() > 0;
@@ -130,14 +162,19 @@ CHIARO_LANE WideLightSample sampleTowards(const WideLights& lights, const WidePo
         ux = select(chosen, left, ux);
         chosen = chosen & (pmf > Float(0.f));
     }
-    Mask asked = sky;
-    if (any(chosen)) {
+    Mask asked;
+    const auto nothing = [&] { s = {at.ng, Rgbw(Float(0.f)), Float(0.f), at.p, at.ng, Float(0.f), Mask(), Mask()}; };
+    if (none(chosen)) {
+        nothing();
+    } else {
         Float w[WideLights::members];
         if (fields) {
+#pragma GCC unroll 32
             for (uint32_t i = 0; i < WideLights::members; ++i) w[i] = lookUp(fields[i], light);
         } else {
             alignas(64) uint32_t record[laneCount];
             select(chosen, light * Int(WideLights::members), Int(0u)).store(record);
+#pragma GCC unroll 8
             for (uint32_t i = 0; i < WideLights::members; i += 4)
                 loadFour(lights.records() + i, record, w[i], w[i + 1], w[i + 2], w[i + 3]);
         }
@@ -145,10 +182,14 @@ CHIARO_LANE WideLightSample sampleTowards(const WideLights& lights, const WidePo
         const auto has = [&](uint32_t flag) { return chosen & ((flags & Int(flag)) != Int(0u)); };
         asked = asked | has(WideLight::ask);
         const Mask punctual = has(WideLight::punctual), triangle = andNot(chosen, punctual | asked);
-        if (any(triangle)) triangleSample(w, at, {ux, pick.u.y}, triangle, s);
+        if (any(triangle))
+            triangleSample(w, at, {ux, pick.u.y}, triangle, s);
+        else
+            nothing();
         if (any(andNot(punctual, asked))) punctualSample(w, at, andNot(punctual, asked), s);
         if (!fault(Fault::lightChoiceForgotten)) s.pdfW = s.pdfW * pmf;
     }
+    if (any(sky)) environmentSample(*lights.sky(), lights.edge(), at, pick, sky, s);
     if (any(asked)) {
         tell(ux);
         light.store(l.light), pmf.store(l.pmf);

@@ -23,7 +23,7 @@ SurfacePoint receiver(const LightLanes& l, uint32_t k) noexcept {
 
 WideLights::WideLights(const Scene& scene) : scene_(scene) {
     const Lights& lights = scene.lights();
-    environment_ = lights.environment_.has_value();
+    sky_ = lights.sky();
     edge_ = double(lights.pickEnvironment_);
     tree_ = lights.byTree();
     for (std::size_t i = 0; i < lights.triangles_.size(); ++i) {
@@ -79,9 +79,7 @@ void WideLights::sample(LightLanes& l, uint32_t lanes) const noexcept {
     const Lights& lights = scene_.lights();
     for (uint32_t b = lanes; b; b &= b - 1) {
         const auto k = uint32_t(__builtin_ctz(b));
-        const bool sky = l.light[k] == LightLanes::sky;
-        const uint32_t light = sky ? lights.count() - 1 : l.light[k];
-        const auto s = lights.sampleOne(light, receiver(l, k), sky ? double(l.pick[k]) * 0x1p-32 / edge_ : 0, {l.ux[k], l.uy[k]});
+        const auto s = lights.sampleOne(l.light[k], receiver(l, k), 0, {l.ux[k], l.uy[k]});
         l.pdfW[k] = 0;
         if (!s) continue;
         l.wx[k] = s->wi.x, l.wy[k] = s->wi.y, l.wz[k] = s->wi.z;

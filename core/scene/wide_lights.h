@@ -45,7 +45,8 @@ public:
     const float (*fields() const noexcept)[few] { return records_.size() <= few ? fields_ : nullptr; }
     double edge() const noexcept { return edge_; } // the environment's share of all choices
     bool byTree() const noexcept { return tree_; }
-    bool environment() const noexcept { return environment_; }
+    bool environment() const noexcept { return sky_ != nullptr; }
+    const Sky* sky() const noexcept { return sky_; } // null: there is none
     // Choices of sampleTowards() by light and what is left of ux; where a tree chooses, for the lanes of a mask.
     void choose(LightLanes&, uint32_t lanes) const noexcept;
     // The samples of lanes whose light is chosen: pdfW with the choice in it.
@@ -57,7 +58,8 @@ private:
     std::vector<float> cells_; // four a light: probability of staying, where to else, both pmfs
     alignas(64) float fields_[members + 4][few] = {};
     double edge_ = 0;
-    bool tree_ = false, environment_ = false;
+    bool tree_ = false;
+    const Sky* sky_ = nullptr;
 };
 
 } // namespace chiaro

@@ -13,12 +13,14 @@ struct WidePoint {
     Vec3w p, ng, ns;
     Float error;         // of the position, metres
     Int material, light; // light: ~0u none, WideSurfaces::askLight: not known here
+    Mask smooth;         // ns is not simply ng
 };
 
 struct WideTables { // of WideSurfaces
     const uint32_t* firsts;
     const float* triangles;
-    const float* instances; // null: there are none
+    const float* instances;              // null: there are none
+    const uint32_t (*few)[16] = nullptr; // firsts again, where there are no more than sixteen
 };
 
 CHIARO_LANE Vec3w octahedral(Int x, Int y) noexcept {
@@ -33,12 +35,12 @@ CHIARO_LANE Vec3w octahedral(Int x, Int y) noexcept {
 CHIARO_LANE Vec3w unitOr(const Vec3w& v, const Vec3w& otherwise) noexcept {
     const Float l = lengthSquared(v);
     const Mask good = (l > Float(0.f)) & (l < Float(std::numeric_limits<float>::infinity()));
-    return select(good, v * (Float(1.f) / sqrt(l)), otherwise);
+    return select(good, v * inverseSqrt(l), otherwise);
 }
 // As SurfacePoint's: where a ray begins that leaves along w.
 CHIARO_LANE Vec3w offset(const Vec3w& p, const Vec3w& ng, Float error, const Vec3w& w) noexcept {
     const Float reach = fault(Fault::offsetAbsolute) ? Float(1e-4f) : error * (abs(ng.x) + abs(ng.y) + abs(ng.z));
-    return p + ng * select(dot(w, ng) < Float(0.f), -reach, reach);
+    return mulAdd(ng, copysign(reach, dot(w, ng)), p);
 }
 
 struct WideCorners {
@@ -68,7 +70,7 @@ CHIARO_LANE WideCorners corners(const float* triangles, const uint32_t* at, Floa
     const Int third = (q0 >> 24) | ((q1 >> 24) << 8) | ((q2 >> 24) << 16);
     const Vec3w na = octahedral(q0 & low, q1 & low), nb = octahedral(q2 & low, floatAsBits(n3) & low),
                 nc = octahedral(third, floatAsBits(n4) & low);
-    c.ns = na * (Float(1.f) - u - v) + nb * u + nc * v;
+    c.ns = mulAdd(nc, v, mulAdd(nb, u, na * (Float(1.f) - u - v)));
     return c;
 }
 
@@ -100,13 +102,13 @@ CHIARO_LANE void place(const float* instances, const uint32_t* at, Mask m, WideC
 // Which of the hits in m are in the tables; their points. The other lanes hold nothing of use.
 CHIARO_LANE Mask widePoint(const WideTables& tables, const HitPacket& hits, Mask m, WidePoint& to) noexcept {
     const Int geometry(hits.geometry), instance(hits.instance);
-    const Int first = gather(tables.firsts, geometry, m);
+    const Int first = tables.few ? lookUp(*tables.few, geometry) : gather(tables.firsts, geometry, m);
     Mask known = m & (first != Int(WideSurfaces::none));
     alignas(64) uint32_t at[laneCount];
     select(known, (first + Int(hits.triangle)) << 4, Int(0u)).store(at);
     const Float u(hits.u), v(hits.v);
     WideCorners c = corners(tables.triangles, at, u, v, known, to);
-    to.p = c.a + c.e1 * u + c.e2 * v;
+    to.p = mulAdd(c.e2, v, mulAdd(c.e1, u, c.a));
     to.ng = cross(c.e1, c.e2);
     if (const Mask inInstance = known & (instance != Int(WideSurfaces::none)); any(inInstance)) {
         select(inInstance, instance << 4, Int(0u)).store(at);
@@ -117,10 +119,11 @@ CHIARO_LANE Mask widePoint(const WideTables& tables, const HitPacket& hits, Mask
     to.error = to.error * Float(gamma8);
     // At an edge? First by squares, with room for rounding: no root, no quotient.
     const Float shortest = min(u, min(v, Float(1.f) - u - v)),
-                longest = max(lengthSquared(c.e1), max(lengthSquared(c.e2), lengthSquared(c.e2 - c.e1)));
+                sides = lengthSquared(c.e1) + lengthSquared(c.e2); // twice that is at least the longest side, squared
     const Mask near =
-        known & ((shortest <= Float(0.f)) | (sqr(shortest) * lengthSquared(to.ng) < Float(4.1f) * (to.error * to.error) * longest));
+        known & ((shortest <= Float(0.f)) | (sqr(shortest) * lengthSquared(to.ng) < Float(8.2f) * (to.error * to.error) * sides));
     if (any(near)) {
+        const Float longest = max(lengthSquared(c.e1), max(lengthSquared(c.e2), lengthSquared(c.e2 - c.e1)));
         const Float height = length(to.ng) / sqrt(longest);
         const Mask edge = near & (shortest * height < Float(2.f) * to.error);
         const Vec3w way = c.e1 * (Float(1 / 3.f) - u) + c.e2 * (Float(1 / 3.f) - v);
@@ -129,6 +132,9 @@ CHIARO_LANE Mask widePoint(const WideTables& tables, const HitPacket& hits, Mask
         to.p = select(edge & (far > Float(0.f)), pulled, to.p);
     }
     to.ng = unitOr(to.ng, {Float(0.f), Float(0.f), Float(1.f)});
+    to.ns = to.ng;
+    to.smooth = c.smooth;
+    if (none(c.smooth)) return known;
     to.ns = select(c.smooth, unitOr(c.ns, to.ng), to.ng);
     to.ns = select(dot(to.ns, to.ng) < Float(0.f), -to.ns, to.ns);
     return known;

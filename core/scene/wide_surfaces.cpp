@@ -1,6 +1,8 @@
 #include "core/scene/wide_surfaces.h"
+#include "core/render/in_parallel.h"
 #include "core/scene/accel.h"
 #include "core/scene/scene.h"
+#include <algorithm>
 #include <cmath>
 
 namespace chiaro {
@@ -57,7 +59,7 @@ void encode(const Vec3& n0, const Vec3& n1, const Vec3& n2, uint32_t (&to)[5]) n
 
 } // namespace
 
-WideSurfaces::WideSurfaces(const Scene& scene) {
+WideSurfaces::WideSurfaces(const Scene& scene, const Executor* run) {
     std::vector<uint8_t> shines(scene.geometries_.size(), 0); // under an instance
     for (const Instance& in : scene.instances_) {
         WideInstance w{};
@@ -70,15 +72,26 @@ WideSurfaces::WideSurfaces(const Scene& scene) {
     }
     std::size_t total = 0;
     for (const Geometry& g : scene.geometries_) {
-        const bool known = g.colors.empty() && alike(g.normals);
+        const bool known = g.colors.empty() && !g.deforms() && alike(g.normals);
         firsts_.push_back(known ? uint32_t(total) : none);
         if (known) total += g.triangles();
     }
     triangles_.resize(std::max<std::size_t>(total, 1)); // lanes without a hit read the first one
+    struct Block {                                      // what one task fills
+        std::size_t geometry;
+        uint32_t begin, end;
+    };
+    constexpr uint32_t most = 16384;
+    std::vector<Block> blocks;
     for (std::size_t k = 0; k < scene.geometries_.size(); ++k) {
+        const uint32_t count = firsts_[k] == none ? 0 : scene.geometries_[k].triangles();
+        for (uint32_t begin = 0; begin < count; begin += std::min(most, count - begin))
+            blocks.push_back({k, begin, begin + std::min(most, count - begin)});
+    }
+    inParallel(run, blocks.size(), [&](uint64_t b) {
+        const std::size_t k = blocks[b].geometry;
         const Geometry& g = scene.geometries_[k];
-        if (firsts_[k] == none) continue;
-        for (uint32_t i = 0; i < g.triangles(); ++i) {
+        for (uint32_t i = blocks[b].begin; i < blocks[b].end; ++i) {
             WideTriangle& t = triangles_[firsts_[k] + i];
             const auto corner = g.triangle(i);
             const auto put = [](float(&to)[3], const Vec3& v) { to[0] = v.x, to[1] = v.y, to[2] = v.z; };
@@ -90,7 +103,7 @@ WideSurfaces::WideSurfaces(const Scene& scene) {
             t.light = shines[k] ? askLight : g.firstLight == Lights::none ? none : g.firstLight + i;
             if (smooth) encode(g.normals[corner[0]], g.normals[corner[1]], g.normals[corner[2]], t.normals);
         }
-    }
+    });
 }
 
 } // namespace chiaro

@@ -1,6 +1,6 @@
 // WideSurfaces: the triangles of a scene as loops over lanes want them, one record of 64 bytes each: a hit brings one cache line, and four
 // loads of 16 bytes that are transposed in registers. Made once before a render, read by all threads. Which hits are not in the tables
-// (vertex colours, moving instances, normals of unequal length) is said, and Scene::point() answers for them.
+// (vertex colours, moving instances, what deforms, normals of unequal length) is said, and Scene::point() answers for them.
 #pragma once
 #include "core/math/vec.h"
 #include <cstdint>
@@ -8,6 +8,7 @@
 
 namespace chiaro {
 
+class Executor;
 class Scene;
 
 struct alignas(64) WideTriangle {
@@ -28,8 +29,9 @@ public:
     static constexpr uint32_t none = ~0u, askLight = ~1u, smoothBit = 0x80000000u;
     static constexpr float normalSteps = 16777214; // even, so that the axes are exact
 
-    explicit WideSurfaces(const Scene&);
+    explicit WideSurfaces(const Scene&, const Executor* run = nullptr); // run: on its threads; null: on this one
     const uint32_t* firsts() const noexcept { return firsts_.data(); } // by geometry: its first record; none: ask the scene
+    std::size_t geometries() const noexcept { return firsts_.size(); }
     const WideTriangle* triangles() const noexcept { return triangles_.data(); }
     const WideInstance* instances() const noexcept { return instances_.data(); }
     bool instanced() const noexcept { return !instances_.empty(); }

@@ -75,6 +75,7 @@ private:
     Lights3 unshot_;
     std::vector<float> rowSums_;
     LightKind kind_ = LightKind::area;
+    bool scatters_ = true; // light is asked for that has been scattered at all
 };
 
 void RadiosityView::prepare(const Job& job) {
@@ -83,6 +84,8 @@ void RadiosityView::prepare(const Job& job) {
     how.limits.apart = std::max(termsApart(job.classes, job.scene, first), 1u);
     how.limits.bounces =
         std::min(how.limits.bounces, job.classes.maxDepth() >= unlimitedDepth ? Limits::converged : job.classes.maxDepth());
+    scatters_ = how.limits.bounces > 0;
+    if (show_ == Show::gather && scatters_ && how.limits.bounces != Limits::converged) --how.limits.bounces; // the last is the gathering
     job.progress.phase("radiosity");
     patches_ = Patches::of(job, cut_);
     if (job.stop.requested()) return;
@@ -111,7 +114,7 @@ void RadiosityView::radiance(const Job& job, PathStart& start, Outputs& out) con
     if (out.log) logSurface(*out.log, at, at.ns, start.first.t, Spectrum(1));
     if (const LightHit light = scene.lights().hit(at, wo, nullptr); light && ofLight(show_))
         addFound(out, classes.reached(eye, light.kind), light.radiance);
-    const Bsdf bsdf = shade(scene, at, wo, start.footprint, start.lambda);
+    const Bsdf bsdf = shade(scene, at, wo, start.footprint.at(start.first.t), start.lambda);
     const Vec3 n = bsdf.normal();
     out.aov(Aov::albedo, bsdf.albedo());
     out.aov(Aov::normal, {n.x, n.y, n.z});
@@ -128,7 +131,7 @@ void RadiosityView::radiance(const Job& job, PathStart& start, Outputs& out) con
     else if (show_ == Show::interpolated)
         addTerms(
             classes, eye, bsdf.diffuseAlbedo(), [&](uint32_t k) { return field_.interpolated(patches_, k, *place); }, out);
-    else if (field_.terms() > 0)
+    else if (scatters_)
         gather(job, at, bsdf, start, out);
 }
 

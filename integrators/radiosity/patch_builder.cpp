@@ -1,6 +1,7 @@
 // From the mesh to the patches: how large, which sides, cut, measured, numbered.
 #include "core/math/sobol.h"
 #include "core/math/warp.h"
+#include "integrators/radiosity/patch_grade.h"
 #include "integrators/radiosity/patch_open.h"
 #include "integrators/radiosity/patch_points.h"
 #include "integrators/radiosity/patch_sides.h"
@@ -10,6 +11,8 @@
 #include <fmt/format.h>
 
 namespace chiaro::radiosity {
+
+constexpr uint32_t leastLooks = 4000; // at facets, for their grades
 
 class PatchBuilder {
 public:
@@ -25,6 +28,8 @@ private:
     void segment(float size);
     uint64_t count(float size, uint64_t enough);
     double weigh(float size, double enough);
+    // Of patches on a facet, where `size` is that of patches on any.
+    float sizeOn(uint32_t facet, float size) const;
     float sizeFor(uint64_t wanted);
     std::array<uint32_t, 4> segmentsOfFacet(const Facet&) const;
     void layOut(float size, Patches&, Patches::Table&);
@@ -39,6 +44,7 @@ private:
     PatchSettings settings_;
     PatchMesh mesh_;
     std::vector<uint8_t> backs_;
+    std::vector<Grade> grades_;           // of facets; empty: all alike
     std::vector<uint32_t> segments_;      // of each strand
     std::optional<PointNumbers> numbers_; // before sides and compaction
 };
@@ -63,7 +69,20 @@ void PatchBuilder::refuseEarly() const {
 
 void PatchBuilder::segment(float size) {
     segments_.assign(mesh_.strands, 1);
-    for (const PatchMesh::Edge& e : mesh_.edges) segments_[e.strand] = std::max(segments_[e.strand], segmentsOf(lengthOf(e), size));
+    for (uint32_t i = 0; i < mesh_.facets.size(); ++i) {
+        const Facet& f = mesh_.facets[i];
+        const float own = sizeOn(i, size);
+        for (uint32_t k = 0; k < f.corners; ++k) {
+            const PatchMesh::Edge& e = mesh_.edges[f.edge[k]];
+            segments_[e.strand] = std::max(segments_[e.strand], segmentsOf(lengthOf(e), own));
+        }
+    }
+}
+
+float PatchBuilder::sizeOn(uint32_t facet, float size) const {
+    if (grades_.empty()) return size;
+    const Facet& f = mesh_.facets[facet];
+    return grades_[facet].size(size, lengthOf(mesh_.edges[f.edge[0]]), lengthOf(mesh_.edges[f.edge[f.corners - 1]]));
 }
 
 std::array<uint32_t, 4> PatchBuilder::segmentsOfFacet(const Facet& f) const {
@@ -81,7 +100,7 @@ uint64_t PatchBuilder::count(float size, uint64_t enough) {
         // Never more than size x size in a cell: a bound before anything is cut.
         const double least = double(length(cross(c[1] - c[0], c[2] - c[0]))) / 2 / (double(size) * size);
         const uint64_t sides = backs_[i] ? 2 : 1;
-        cells += least > double(enough) ? enough + 1 : sides * cellsOf(f, c, segmentsOfFacet(f), size, nullptr);
+        cells += least > double(enough) ? enough + 1 : sides * cellsOf(f, c, segmentsOfFacet(f), sizeOn(uint32_t(i), size), nullptr);
     }
     return cells;
 }
@@ -96,7 +115,7 @@ double PatchBuilder::weigh(float size, double enough) {
         const std::array<Vec3, 4> c = corners(f);
         const double area = double(length(cross(c[1] - c[0], c[2] - c[0]))) / (f.corners == 4 ? 1 : 2), sides = backs_[i] ? 2 : 1;
         if (area > enough * 2 * usual) return enough + 1; // a bound before anything is cut
-        const uint64_t cells = cellsOf(f, c, segmentsOfFacet(f), size, nullptr);
+        const uint64_t cells = cellsOf(f, c, segmentsOfFacet(f), sizeOn(uint32_t(i), size), nullptr);
         sum += sides * (cells > 1 ? double(cells) : std::min(1.0, area / usual));
     }
     return sum;
@@ -233,7 +252,7 @@ void PatchBuilder::fill(uint32_t facet, float size, Patches& patches, Patches::T
     const Patches::Table::Cells& place = table.facets[facet];
     const std::array<Vec3, 4> c = corners(f);
     Cut cut;
-    const std::size_t n = cellsOf(f, c, segmentsOfFacet(f), size, &cut);
+    const std::size_t n = cellsOf(f, c, segmentsOfFacet(f), sizeOn(facet, size), &cut);
     std::copy(cut.nodes.begin(), cut.nodes.end(), table.nodes.begin() + place.nodes);
     const std::span<Patch> front(&patches.patches_[place.front], n);
     const std::span<Patch> back = place.back == ~0u ? std::span<Patch>() : std::span<Patch>(&patches.patches_[place.back], n);
@@ -261,7 +280,7 @@ void PatchBuilder::layOut(float size, Patches& patches, Patches::Table& table) {
     for (uint32_t i = 0; i < mesh_.facets.size(); ++i) {
         const Facet& f = mesh_.facets[i];
         const auto n = segmentsOfFacet(f);
-        const uint64_t count = cellsOf(f, corners(f), n, size, nullptr);
+        const uint64_t count = cellsOf(f, corners(f), n, sizeOn(i, size), nullptr);
         Patches::Table::Cells& place = table.facets.emplace_back();
         place.normal = f.normal;
         place.segments = {n[0], n[1]};
@@ -312,6 +331,7 @@ void PatchBuilder::tell(const Patches& patches, const Patches::Table& table, flo
     const auto backs = std::count_if(patches.patches_.begin(), patches.patches_.end(), [](const Patch& p) { return p.other != ~0u; }) / 2;
     work_.notes.tell(
         "patches", fmt::format("{} of {:.3g} m at most, {} of them backs that light reaches", patches.size(), patches.longestEdge_, backs));
+    chiaro::radiosity::tell(grades_, work_.notes);
     if (table.crossings.cut > 0)
         work_.notes.tell(
             "patches", fmt::format("{} cut where another surface runs through them, with light on both of its sides", table.crossings.cut));
@@ -335,7 +355,9 @@ Patches PatchBuilder::build() {
     refuseEarly();
     mesh_ = patchMesh(work_.scene, work_.shutter);
     backs_ = reachedBacks(work_, mesh_);
-    const float size = settings_.size > 0 ? settings_.size : sizeFor(settings_.count);
+    float size = settings_.size > 0 ? settings_.size : sizeFor(settings_.count);
+    grades_ = grades(work_, mesh_, backs_, size, std::max(settings_.count, leastLooks));
+    if (settings_.size == 0) size = sizeFor(settings_.count);
     const uint64_t n = count(size, settings_.most);
     if (n > settings_.most) refuse();
     if (const double bytes = double(n) * (sizeof(Patch) + 64); bytes > double(work_.memoryLimit))

@@ -101,8 +101,8 @@ private:
 };
 
 bool Mesher::moves(const DrawnPart& part) const {
-    if (part.instance == Hit::none || !(shutter_.close > shutter_.open) || part.triangles == 0) return false;
-    for (const uint32_t triangle : {0u, part.triangles - 1}) {
+    if (!scene_.moves(part) || !(shutter_.close > shutter_.open)) return false;
+    for (uint32_t triangle = 0; triangle < part.triangles; ++triangle) {
         const auto at = scene_.corners(part, triangle, shutter_.open);
         for (const float share : {0.37f, 1.f})
             if (scene_.corners(part, triangle, shutter_.open + (shutter_.close - shutter_.open) * share) != at) return true;

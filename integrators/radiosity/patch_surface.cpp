@@ -37,10 +37,10 @@ bool SurfaceMeans::plain(std::span<const uint32_t> triangles) const noexcept {
 uint32_t SurfaceMeans::pointsFor(uint32_t triangle, float share) const noexcept {
     const TextureSlot* slots[6];
     texturesOf(scene_.material(part_.material), slots);
-    Point2 uv[3][2];
+    Point2 uv[3][uvSets];
     for (int k = 0; k < 3; ++k) {
         const SurfacePoint s = scene_.attributes({part_.geometry, triangle, part_.instance, k == 1 ? 1.f : 0.f, k == 2 ? 1.f : 0.f, 0});
-        uv[k][0] = s.uv[0], uv[k][1] = s.uv[1];
+        std::copy(std::begin(s.uv), std::end(s.uv), uv[k]);
     }
     float texels = 0;
     for (const TextureSlot* s : slots) {
@@ -56,7 +56,8 @@ uint32_t SurfaceMeans::pointsFor(uint32_t triangle, float share) const noexcept 
 Spectrum SurfaceMeans::diffuse(const SurfacePoint& at) noexcept {
     BsdfParameters p = surfaceParameters(scene_, at);
     const Spectrum base = p.baseColor;
-    if (const Coat c{p.metallic, p.roughness, p.specular, p.transmission, p.specularColor}; !(c == coat_)) {
+    if (const Coat c{p.metallic, p.roughness, p.specular, p.transmission, p.specularColor};
+        !(c == coat_) || hasFurtherLobes(scene_.material(at.material))) {
         coat_ = c;
         share_ = Spectrum(0);
         p.baseColor = Spectrum(1);
@@ -97,7 +98,7 @@ Surface SurfaceMeans::mean(std::span<const Where> points) noexcept {
 
 bool mayReflect(const MaterialDesc& m) noexcept {
     if (m.unlit || black(m.baseColor)) return false;
-    if (m.metallic >= 1 && m.metallicRoughnessTexture.texture < 0) return false;
+    if (!m.specularGlossiness && m.metallic >= 1 && m.metallicRoughnessTexture.texture < 0) return false;
     return !(m.transmission >= 1 && m.transmissionTexture.texture < 0);
 }
 
@@ -111,11 +112,12 @@ void tellMaterials(const Scene& scene, Diagnostics& notes) {
             if (++count <= 4) names += fmt::format("{}\"{}\"", count > 1 ? ", " : "", m.name);
         }
         std::string text() const { return fmt::format("{} ({}{})", count, names, count > 4 ? ", ..." : ""); }
-    } blockers, mixed, coated, cut;
+    } blockers, mixed, coated, cut, leaves;
     for (const uint32_t id : used) {
         const MaterialDesc& m = scene.material(id);
         if (m.alphaMode != AlphaMode::opaque) cut.add(m);
         if (m.unlit) continue;
+        if (m.diffuseTransmission > 0) leaves.add(m);
         const bool beside = m.metallic > 0 || m.transmission > 0;
         if (!mayReflect(m) && (beside || m.specular > 0))
             blockers.add(m);
@@ -131,6 +133,8 @@ void tellMaterials(const Scene& scene, Diagnostics& notes) {
     if (mixed.count)
         notes.warn(
             fmt::format("radiosity carries diffuse light only: of the materials, {} take part by their diffuse share", mixed.text()));
+    if (leaves.count)
+        notes.warn(fmt::format("radiosity carries reflected light only: what passes through {} is missing behind them", leaves.text()));
     if (coated.count)
         notes.tell("diffuse", fmt::format("materials with a glossy coat take part by the diffuse base under it: {}", coated.text()));
     if (cut.count) notes.tell("cut-out", fmt::format("patches count by the share of them that alpha leaves: {}", cut.text()));

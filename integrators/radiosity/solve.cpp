@@ -97,7 +97,9 @@ Solution solve(const Work& work, const Patches& patches, const SolveSettings& as
     if (!noExchange && matrixSolver(s.solver)) requireRoomForMatrix(work, factors);
     Solution out;
     auto begin = Clock::now();
-    Lights3 received = directIrradiance(work, patches, s.emissionByFactors ? FromLights::notPatches : FromLights::all, s.lightRays);
+    Lights3 received(patches.size(), Light(0));
+    if (s.limits.bounces > 0)
+        received = directIrradiance(work, patches, s.emissionByFactors ? FromLights::notPatches : FromLights::all, s.lightRays);
     if (received.size() != patches.size()) return out;
     const double directSeconds = since(begin);
     const System system = systemOf(patches, std::move(received), s.emissionByFactors);

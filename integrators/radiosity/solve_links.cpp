@@ -13,6 +13,8 @@ namespace {
 constexpr int points = 4, pairs = points * points; // of a node, and between two
 constexpr double coarser = 30;                     // links of the first estimate of B
 constexpr double little = 0.05;                    // of the mean radiosity
+constexpr double dimmest = 1e-3;                   // of the mean irradiance
+constexpr double brighter = 2;                     // the mean than what is called dim
 constexpr std::size_t seedPairs = 4096;            // that are refined side by side
 constexpr float floorOfRange = 0.05f;              // relative: four points may agree by chance
 
@@ -41,8 +43,10 @@ class Linker {
 public:
     Linker(const Work& work, const FormFactors& factors, const Hierarchy& tree) : work_(work), factors_(factors), tree_(tree) {}
 
-    // All links for radiosities of patches like these; empty answer: stopped.
-    std::vector<Link> link(std::span<const Light> radiosity, std::span<const float> areas, double linkError) {
+    // All links for radiosities and irradiances of patches like these; empty answer: stopped. What a link may get wrong is a share of what
+    // arrives where it ends, but never more than that of a patch in the mean light: a dim room beside a bright place has an error of its
+    // own.
+    std::vector<Link> link(std::span<const Light> radiosity, std::span<const double> arrives, const System& system, double linkError) {
         const std::size_t n = tree_.nodes().size();
         Lights3 squares(radiosity.size()), mean(n), meanSquare(n);
         for (std::size_t i = 0; i < radiosity.size(); ++i) squares[i] = Light(sqr(luminance(radiosity[i])));
@@ -54,11 +58,28 @@ public:
             brightness_[i] = luminance(mean[i]);
             deviation_[i] = std::sqrt(std::max(meanSquare[i][0] - sqr(brightness_[i]), 0.0));
         }
-        allowed_ = linkError / double(std::max<std::size_t>(radiosity.size(), 1)) * power(radiosity, areas);
+        allowed_ = linkError / double(std::max<std::size_t>(radiosity.size(), 1)) * power(radiosity, system.areas);
+        compareLight(arrives, system);
         return refineAll();
     }
 
 private:
+    // The harmonic mean over what reflects, for a node that is dim in part must be linked as its dim part.
+    void compareLight(std::span<const double> arrives, const System& system) {
+        const std::size_t n = tree_.nodes().size();
+        Lights3 weights(arrives.size()), mean(n);
+        double sum = 0, area = 0;
+        for (std::size_t i = 0; i < arrives.size(); ++i) sum += arrives[i] * double(system.areas[i]), area += double(system.areas[i]);
+        const double usual = sum / area;
+        for (std::size_t i = 0; i < arrives.size(); ++i) {
+            const double reflects = double(luminance(system.reflectance[i]));
+            weights[i] = {reflects, reflects / std::max(arrives[i], dimmest * usual), 0};
+        }
+        tree_.pull(weights, mean);
+        dim_.assign(n, 1);
+        for (std::size_t i = 0; i < n; ++i)
+            if (usual > 0 && mean[i][1] > 0) dim_[i] = std::min(brighter * mean[i][0] / (mean[i][1] * usual), 1.0);
+    }
     using Pair = std::pair<uint32_t, uint32_t>;
     // Either one link (or none), or the pairs that take its place.
     void refine(Pair pair, std::vector<Link>& links, std::vector<Pair>& open) const {
@@ -73,7 +94,7 @@ private:
         if (brightness_[from] == 0 || behind(p, q) || behind(q, p)) return;
         const Exchange e = exchange(to, from);
         const double wrong = p.area * (double(e.range) * brightness_[from] + double(e.factor) * deviation_[from]);
-        if ((p.leaf() && q.leaf()) || wrong <= allowed_) {
+        if ((p.leaf() && q.leaf()) || wrong <= allowed_ * dim_[to]) {
             if (e.factor > 0) links.push_back({to, from, e.factor});
         } else if (q.leaf() || (!p.leaf() && p.area > q.area)) {
             open.push_back({p.right, from});
@@ -189,6 +210,7 @@ private:
     const FormFactors& factors_;
     const Hierarchy& tree_;
     std::vector<double> brightness_, deviation_; // of the nodes
+    std::vector<double> dim_;                    // what arrives at them, of the mean, at most 1
     double allowed_ = 0;
 };
 
@@ -322,17 +344,21 @@ Solution solveHierarchical(const Work& work, const FormFactors& factors, const S
     Linker linker(work, factors, tree);
     const RowSums sums(work, factors.patches(), system);
     Lights3 b(system.size());
+    std::vector<double> arrives(system.size());
     const double area = std::accumulate(system.areas.begin(), system.areas.end(), 0.0);
     const auto total = [&](const Solution* first) {
-        for (std::size_t i = 0; i < b.size(); ++i)
-            b[i] = system.emission[i] + widened(system.reflectance[i]) * (first ? first->irradiance(i) : system.received[i]);
+        for (std::size_t i = 0; i < b.size(); ++i) {
+            const Light arrived = first ? first->irradiance(i) : system.received[i];
+            b[i] = system.emission[i] + widened(system.reflectance[i]) * arrived;
+            arrives[i] = luminance(arrived);
+        }
         // Nobody is held to stay dark: a little light from everywhere.
         const double everywhere = little * power(b, system.areas) / area;
         for (std::size_t i = 0; i < b.size(); ++i) b[i] += widened(system.reflectance[i]) * everywhere;
     };
     total(nullptr);
     for (const double share : {coarser, 1.0}) {
-        std::vector<Link> links = linker.link(b, system.areas, linkError * share);
+        std::vector<Link> links = linker.link(b, arrives, system, linkError * share);
         if (work.stop.requested()) return s;
         const uint64_t count = links.size();
         LinkMatrix matrix(work.run, tree, std::move(links), sums);

@@ -2,8 +2,9 @@
 
 namespace chiaro {
 
-void followPathsAvx2(const WidePaths& paths, uint32_t maxDepth, StartSource& source, SampleLanes& samples, PathStream& stream) noexcept {
-    avx2::PathFollower(paths, maxDepth, samples, stream).follow(source);
+void followPathsAvx2(const WidePaths& paths, uint32_t maxDepth, const Footprint& pixel, StartSource& source, SampleLanes& samples,
+                     PathStream& stream) noexcept {
+    avx2::PathFollower(paths, maxDepth, pixel, samples, stream).follow(source);
 }
 
 } // namespace chiaro

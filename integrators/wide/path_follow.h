@@ -1,62 +1,8 @@
 // The loop of WidePaths for one instruction set: Path::radiance (integrators/path.cpp) in lanes, step by step.
 #pragma once
-#include "core/scene/wide_light_sampling.h"
-#include "integrators/wide/path_packet.h"
-#include "materials/wide_lobes.h"
+#include "integrators/wide/path_follower.h"
 
 namespace chiaro::CHIARO_ISA {
-
-class PathFollower {
-public:
-    PathFollower(const WidePaths& paths, uint32_t maxDepth, SampleLanes& samples, PathStream& stream) noexcept
-        : paths_(paths), scene_(paths.scene()), settings_(paths.settings()),
-          tables_{paths.surfaces().firsts(), reinterpret_cast<const float*>(paths.surfaces().triangles()),
-                  reinterpret_cast<const float*>(paths.surfaces().instances())},
-          materials_(reinterpret_cast<const float*>(paths.materials().records())), maxDepth_(maxDepth),
-          needs_{paths.lights().byTree(), paths.materials().volumes()},
-          oneLight_(paths.lights().finite() == 1 && !paths.lights().environment()), samples_(samples), stream_(stream) {}
-    void follow(StartSource& source) noexcept;
-
-private:
-    // A vertex of sixteen paths, as far as it is known.
-    struct Vertex {
-        Mask hit, lanes, alone; // lanes: of the hits those that are shaded here; alone: those that the scalar closure answers for
-        WidePoint at;
-        WideLobes lobes;
-        Int flags, column;
-        Rgbw emission;
-        FrameT<Float> frame;
-        Vec3w ng, wo; // ng: on the side of wo
-        Mask outside;
-        Rgbw albedo;
-    };
-    void begin(const StartPacket&) noexcept;
-    void group(PathPacket&, Mask, const RayPacket&, const HitPacket&, bool first) noexcept;
-    void meet(PathPacket&, const HitPacket&, Vertex&) noexcept;
-    void find(PathPacket&, Mask, const HitPacket&, Vertex&) noexcept;
-    void face(PathPacket&, Vertex&) noexcept;
-    void direct(PathPacket&, const Vertex&, Mask, const WidePick&) noexcept;
-    Mask scatter(PathPacket&, const Vertex&, Mask, const WidePick&) noexcept;
-    Mask alone(PathPacket&, const Vertex&, const WidePick&, const WidePick&, Rgbw& albedo, Vec3w& normal) noexcept;
-    void tell(const PathPacket&, const HitPacket&) noexcept;
-    void add(PathPacket&, Mask, const Rgbw&) noexcept;
-    static void trace(const PathPacket&, RayPacket&) noexcept;
-
-    const WidePaths& paths_;
-    const Scene& scene_;
-    const PathSettings& settings_;
-    const WideTables tables_;
-    const float* const materials_;
-    const uint32_t maxDepth_;
-    const PathPacket::Needs needs_;
-    const bool oneLight_; // nothing to choose
-    SampleLanes& samples_;
-    PathStream& stream_;
-    ShadowQueue shadows_;
-    VertexLanes told_;
-    uint32_t kept_ = 0;      // of the stream, packed
-    uint32_t firstSlot_ = 0; // of the starts at hand
-};
 
 // The ray's packet as Embree takes it.
 CHIARO_LANE void PathFollower::trace(const PathPacket& p, RayPacket& rays) noexcept {
@@ -78,6 +24,7 @@ void PathFollower::tell(const PathPacket& p, const HitPacket& hits) noexcept {
     for (const Float& v : {p.fromNg.x, p.fromNg.y, p.fromNg.z}) v.store(told_.fromNg[k++]);
     for (std::size_t c = 0; c < 3; ++c) p.throughput.c[c].store(told_.throughput[c]);
     p.pdfW.store(told_.pdfW), p.depth.store(told_.depth), p.medium.store(told_.medium);
+    p.width.store(told_.width), p.spread.store(told_.spread);
 }
 
 // Points and materials; what the inside of a solid lets through.
@@ -97,16 +44,60 @@ void PathFollower::meet(PathPacket& p, const HitPacket& hits, Vertex& v) noexcep
     v.column = floatAsBits(column);
     const Mask absorbed = v.hit & (((p.medium & Int(VertexLanes::absorbs)) != Int(0u)) | v.alone |
                                    ((p.medium == Int(0u)) & has(WideMaterial::absorbs) & (dot(v.at.ng, p.d) > Float(0.f))));
+    if (needs_.cone) { // Footprint::at()
+        const Float width = p.width + p.spread * Float(hits.t);
+        const Mask crossed = width < Float(0.f);
+        p.width = select(crossed, -width, width);
+        p.spread = select(crossed, -p.spread, p.spread);
+    }
     const Mask textured = v.lanes & has(WideMaterial::textured);
-    if (none(absorbed | textured)) return;
-    tell(p, hits);
     if (any(absorbed)) {
+        tell(p, hits);
         paths_.attenuate(told_, absorbed.bits());
         for (std::size_t c = 0; c < 3; ++c) p.throughput.c[c] = Float(told_.throughput[c]);
     }
-    if (none(textured)) return;
-    paths_.texture(told_, textured.bits());
-    for (std::size_t c = 0; c < 3; ++c) v.lobes.baseColor.c[c] = select(textured, Float(told_.baseColor[c]), v.lobes.baseColor.c[c]);
+    if (any(textured)) read(p, hits, textured, v);
+}
+
+// The base colours of textured materials, one texture after the other.
+void PathFollower::read(const PathPacket& p, const HitPacket& hits, Mask m, Vertex& v) noexcept {
+    const WideUv uv = uvAt(paths_.textures(), hits, m);
+    ConeSectionT<Float> cone;
+    if (needs_.cone) cone = sectionAt(tables_, hits, p.d, p.width, m);
+    alignas(64) uint32_t material[laneCount];
+    v.at.material.store(material);
+    Mask asked;
+    for (Mask left = m; any(left);) {
+        const uint32_t id = material[__builtin_ctz(left.bits())];
+        const Mask here = left & (v.at.material == Int(id));
+        left = andNot(left, here);
+        const WideTexture& t = paths_.textures().of(id);
+        if (t.alone) {
+            asked = asked | here;
+            continue;
+        }
+        const Rgbw texel = needs_.cone ? textureAt(t, uv, cone, here) : textureAt(t, uv, here);
+        for (std::size_t c = 0; c < 3; ++c)
+            v.lobes.baseColor.c[c] = select(here, clamp01(v.lobes.baseColor.c[c] * texel.c[c]), v.lobes.baseColor.c[c]);
+    }
+    if (none(asked)) return;
+    tell(p, hits);
+    paths_.texture(told_, asked.bits());
+    for (std::size_t c = 0; c < 3; ++c) v.lobes.baseColor.c[c] = select(asked, Float(told_.baseColor[c]), v.lobes.baseColor.c[c]);
+}
+
+// The cones of the next rays: scattered() of core/scene/ray_cone.h.
+void PathFollower::widen(PathPacket& p, const HitPacket& hits, const Vertex& v, Mask m, const WideLobeSample& s) noexcept {
+    Float spread = max(p.spread, lobeSpread(p.pdfW));
+    if (const Mask delta = m & s.delta; any(delta)) {
+        const Mask bent = delta & andNot(Mask(0xffffu), s.transmitted & v.lobes.straight);
+        const Float curvature = curvatureAt(paths_.textures(), tables_, hits, bent);
+        const Float bend = select(v.outside, curvature, -curvature) * p.width;
+        const Float eta = select(v.outside, v.lobes.ior, Float(1.f) / v.lobes.ior);
+        spread = select(delta, select(s.transmitted, refractedSpread(p.spread, bend, eta), mirroredSpread(p.spread, bend)), spread);
+        spread = select(andNot(delta, bent), p.spread, spread);
+    }
+    p.spread = select(m, spread, p.spread);
 }
 
 // Light that the rays have found: emitters where they hit, the sky where they did not.
@@ -114,10 +105,9 @@ void PathFollower::find(PathPacket& p, Mask m, const HitPacket& hits, Vertex& v)
     const WideLights& lights = paths_.lights();
     const Mask sky = lights.environment() ? andNot(m, v.hit) : Mask();
     const Mask shines = v.lanes & ((v.flags & Int(WideMaterial::emits)) != Int(0u)) & (v.at.light != Int(WideSurfaces::none));
-    const Mask asked = sky | v.alone |
-                       (shines & (((v.flags & Int(WideMaterial::askEmission)) != Int(0u)) | (v.at.light == Int(WideSurfaces::askLight)) |
-                                  (lights.byTree() ? Mask(0xffffu) : Mask())));
-    if (none(shines | asked)) return;
+    const Mask asked = v.alone | (shines & (((v.flags & Int(WideMaterial::askEmission)) != Int(0u)) |
+                                            (v.at.light == Int(WideSurfaces::askLight)) | (lights.byTree() ? Mask(0xffffu) : Mask())));
+    if (none(sky | shines | asked)) return;
     Rgbw light = v.emission;
     Float lightPdf(0.f);
     Mask found = andNot(shines, asked);
@@ -136,6 +126,12 @@ void PathFollower::find(PathPacket& p, Mask m, const HitPacket& hits, Vertex& v)
         for (std::size_t c = 0; c < 3; ++c) light.c[c] = select(asked, Float(told_.light[c]), light.c[c]);
         lightPdf = select(asked, Float(told_.lightPdfW), lightPdf);
         found = found | asked;
+    }
+    if (any(sky)) {
+        const WideSkyValue value = skyAt(skyTables(*lights.sky()), p.d, sky);
+        light = select(sky, value.radiance, light);
+        lightPdf = select(sky, select(p.depth != Int(0u), value.pdfW * Float(float(lights.edge())), Float(0.f)), lightPdf);
+        found = found | sky;
         for (std::size_t c = 0; c < 3; ++c) v.albedo.c[c] = select(sky, clamp01(light.c[c]), v.albedo.c[c]);
     }
     found = found & notBlack(light);
@@ -151,17 +147,20 @@ void PathFollower::face(PathPacket& p, Vertex& v) noexcept {
     const Vec3w wo = -p.d;
     v.outside = fault(Fault::backNormalKept) ? Mask(0xffffu) : dot(v.at.ng, wo) >= Float(0.f);
     v.ng = select(v.outside, v.at.ng, -v.at.ng);
-    Vec3w n = select(v.outside, v.at.ns, -v.at.ns);
-    // A shading normal that wo does not see is turned towards it, as little as needed (Bsdf).
-    const Float have = dot(n, wo), need = min(Float(0.01f), dot(v.ng, wo));
-    const Mask same = (n.x == v.ng.x) & (n.y == v.ng.y) & (n.z == v.ng.z), hidden = v.lanes & andNot(have < need, same);
-    if (any(hidden)) {
-        const Vec3w across = n - wo * have;
-        const Float l = length(across);
-        const Vec3w turned = normalize(across * (sqrt(Float(1.f) - need * need) / l) + wo * need);
-        n = select(hidden, select(l > Float(1e-6f), turned, v.ng), n);
+    Vec3w n = v.ng;
+    if (any(v.at.smooth)) {
+        n = select(v.outside, v.at.ns, -v.at.ns);
+        // A shading normal that wo does not see is turned towards it, as little as needed (Bsdf).
+        const Float have = dot(n, wo), need = min(Float(0.01f), dot(v.ng, wo));
+        const Mask same = (n.x == v.ng.x) & (n.y == v.ng.y) & (n.z == v.ng.z), hidden = v.lanes & andNot(have < need, same);
+        if (any(hidden)) {
+            const Vec3w across = n - wo * have;
+            const Float l = length(across);
+            const Vec3w turned = normalize(across * (sqrt(Float(1.f) - need * need) / l) + wo * need);
+            n = select(hidden, select(l > Float(1e-6f), turned, v.ng), n);
+        }
     }
-    v.frame = FrameT<Float>::about(n);
+    v.frame = frameAbout(n);
     v.wo = wo;
     v.lobes.look(v.frame.toLocal(wo), v.outside, v.column);
 }
@@ -173,18 +172,18 @@ void PathFollower::direct(PathPacket& p, const Vertex& v, Mask m, const WidePick
     const WideLobeValue value = v.lobes.evaluate(wi);
     const Mask lit = m & s.arrives & (value.pdfW > Float(0.f)) & (dot(s.wi, v.ng) > Float(0.f)) & notBlack(value.f);
     if (none(lit)) return;
-    const Float weight = settings_.mis ? select(s.delta, Float(1.f), powerHeuristic(s.pdfW, value.pdfW)) : Float(1.f);
+    const Float other = settings_.mis ? select(s.delta, Float(0.f), value.pdfW) : Float(0.f);
     const Float cosine = fault(Fault::receiverCosineMissing) ? Float(1.f) : abs(wi.z);
-    const Rgbw brings = p.throughput * value.f * s.radiance * (cosine * weight / s.pdfW);
+    const Rgbw brings = p.throughput * value.f * s.radiance * (cosine * weightOverPdf(s.pdfW, other));
     shadows_.append(lit, s.o, s.d, s.tfar, p.time, brings, p.slot);
 }
 
 // The next rays; the lanes that have one.
-Mask PathFollower::scatter(PathPacket& p, const Vertex& v, Mask m, const WidePick& pick) noexcept {
+Mask PathFollower::scatter(PathPacket& p, const HitPacket& hits, const Vertex& v, Mask m, const WidePick& pick) noexcept {
     // As float(double(bits) 2^-32) rounds, but never to 1.
     const Float uLobe = min(wholeToFloat(pick.pick) * Float(0x1p-32f), Float(oneMinusEpsilon));
     const WideLobeSample s = v.lobes.sample(uLobe, pick.u);
-    const Vec3w wi = v.frame.toWorld(s.wi);
+    const Vec3w wi = toWorld(v.frame, s.wi);
     const Float side = dot(wi, v.ng);
     Mask alive = m & s.drawn & select(s.wi.z > Float(0.f), side > Float(0.f), side < Float(0.f));
     // Of a diffuse base alone: the cosine and its density cancel out.
@@ -198,16 +197,19 @@ Mask PathFollower::scatter(PathPacket& p, const Vertex& v, Mask m, const WidePic
     alive = alive & (s.delta | (pdfW > Float(0.f)));
     if (any(s.delta)) weight = select(s.delta, s.weight * (Float(1.f) / s.pmf), weight);
     alive = alive & notBlack(weight);
-    p.throughput = select(alive, p.throughput * weight, p.throughput);
-    p.pdfW = select(alive, select(s.delta, -s.pmf, pdfW), p.pdfW);
-    p.o = select(alive, offset(v.at.p, v.at.ng, v.at.error, wi), p.o);
-    p.d = select(alive, wi, p.d);
-    p.from = select(alive, v.at.p, p.from);
-    p.fromNg = select(alive, v.at.ng, p.fromNg);
+    // Lanes that end here may hold anything from now on; those that are alone read what they were told.
+    p.throughput = p.throughput * weight;
+    p.pdfW = any(s.delta) ? select(s.delta, -s.pmf, pdfW) : pdfW;
+    if (needs_.cone) widen(p, hits, v, alive, s);
+    p.o = offset(v.at.p, v.at.ng, v.at.error, wi);
+    p.d = wi;
+    p.from = v.at.p;
+    p.fromNg = v.at.ng;
+    if (!needs_.medium) return alive;
     const auto is = [&](uint32_t flag) { return (v.flags & Int(flag)) != Int(0u); };
     const Mask within = is(WideMaterial::volume) & (dot(v.at.ng, wi) < Float(0.f));
     const Int medium = (v.at.material + Int(1u)) | select(is(WideMaterial::absorbs), Int(VertexLanes::absorbs), Int(0u));
-    p.medium = select(alive, select(within, medium, Int(0u)), p.medium);
+    p.medium = select(within, medium, Int(0u));
     return alive;
 }
 
@@ -220,17 +222,18 @@ Mask PathFollower::alone(PathPacket& p, const Vertex& v, const WidePick& uLight,
         picks[i]->pick.store(told_.pick[i]);
         picks[i]->u.x.store(told_.u[i][0]), picks[i]->u.y.store(told_.u[i][1]);
     }
-    const Mask alive(paths_.vertex(told_, m.bits(), maxDepth_));
     const auto rgb = [](const float(&values)[3][laneCount]) { return Rgbw(Float(values[0]), Float(values[1]), Float(values[2])); };
+    const Rgbw before = rgb(told_.throughput);
+    const Mask alive(paths_.vertex(told_, m.bits(), maxDepth_));
     const auto vec = [](const float* x, const float* y, const float* z) { return Vec3w{Float(x), Float(y), Float(z)}; };
     albedo = select(m, rgb(told_.albedo), albedo);
     normal = select(m, vec(told_.normal[0], told_.normal[1], told_.normal[2]), normal);
     const RayPacket &s = told_.shadow, &n = told_.next;
     if (const Mask lit = m & (Float(s.tfar) >= Float(0.f)); any(lit))
-        shadows_.append(lit, vec(s.ox, s.oy, s.oz), vec(s.dx, s.dy, s.dz), Float(s.tfar), p.time, p.throughput * rgb(told_.arriving),
-                        p.slot);
+        shadows_.append(lit, vec(s.ox, s.oy, s.oz), vec(s.dx, s.dy, s.dz), Float(s.tfar), p.time, before * rgb(told_.arriving), p.slot);
     p.throughput = select(alive, rgb(told_.throughput), p.throughput);
     p.pdfW = select(alive, Float(told_.pdfW), p.pdfW);
+    p.spread = select(alive, Float(told_.spread), p.spread);
     p.o = select(alive, vec(n.ox, n.oy, n.oz), p.o);
     p.d = select(alive, vec(n.dx, n.dy, n.dz), p.d);
     p.from = select(alive, vec(told_.fromP[0], told_.fromP[1], told_.fromP[2]), p.from);
@@ -239,12 +242,12 @@ Mask PathFollower::alone(PathPacket& p, const Vertex& v, const WidePick& uLight,
     return alive;
 }
 
-// One vertex of sixteen paths, whose rays have been traced. What goes on is packed into the stream.
-[[gnu::flatten]] void PathFollower::group(PathPacket& p, Mask m, const RayPacket&, const HitPacket& hits, bool first) noexcept {
-    Vertex v;
-    v.albedo = Rgbw(Float(0.f));
-    v.hit = m & (Int(hits.geometry) != Int(Hit::none));
-    meet(p, hits, v);
+// What follows once the surfaces are known. plain: no lane has more than a diffuse base, none is alone.
+template <bool plain> CHIARO_LANE void PathFollower::shade(PathPacket& p, Mask m, const HitPacket& hits, Vertex& v, bool first) noexcept {
+    if constexpr (plain) {
+        v.alone = Mask();
+        v.lobes.diffuseAlone();
+    }
     find(p, m, hits, v);
     face(p, v);
     const Mask more = v.hit & (p.depth < Int(maxDepth_));
@@ -254,14 +257,15 @@ Mask PathFollower::alone(PathPacket& p, const Vertex& v, const WidePick& uLight,
         normal = select(v.lanes, v.frame.z, normal);
     }
     const WideSampler sampler(p.keyLow, p.keyHigh, p.sample);
-    const Int dimension = Int(startDimensions) + p.depth * Int(8u);
-    const Mask choices = v.alone | v.lobes.others();
-    const WidePick uLight = sampler.get3D(dimension, !oneLight_ || any(v.alone)), uBsdf = sampler.get3D(dimension + Int(3u), any(choices));
+    const bool shallow = none(p.depth >= Int(16u));
+    // Together: the processor works on both at once.
+    const WidePick uLight = sampler.get3D(mixedAt<startDimensions, 8>(p.depth, shallow), !oneLight_ || any(v.alone));
+    const WidePick uBsdf = sampler.get3D(mixedAt<startDimensions + 3, 8>(p.depth, shallow), any(v.alone | v.lobes.others()));
     Mask asks = more & v.lanes & v.lobes.smooth();
     if (fault(Fault::bounceDropped)) asks = asks & (p.depth != Int(1u));
     if (settings_.nee && any(asks)) direct(p, v, asks, uLight);
     Mask alive;
-    if (const Mask here = more & v.lanes; any(here)) alive = scatter(p, v, here, uBsdf);
+    if (const Mask here = more & v.lanes; any(here)) alive = scatter(p, hits, v, here, uBsdf);
     if (any(v.alone)) alive = alive | alone(p, v, uLight, uBsdf, v.albedo, normal);
     if (first) {
         for (std::size_t c = 0; c < 3; ++c) v.albedo.c[c].store(samples_.albedo[c] + firstSlot_);
@@ -271,13 +275,35 @@ Mask PathFollower::alone(PathPacket& p, const Vertex& v, const WidePick& uLight,
     }
     if (const Mask risk = alive & (p.depth >= Int(settings_.rouletteDepth)); any(risk)) {
         const Float survive = min(maxComponent(p.throughput), Float(0.95f));
-        alive = andNot(alive, andNot(risk, sampler.get1D(dimension + Int(7u)) < survive));
+        alive = andNot(alive, andNot(risk, sampler.get1D(mixedAt<startDimensions + 7, 8>(p.depth, shallow)) < survive));
         if (!fault(Fault::rouletteUnweighted)) p.throughput = select(risk, p.throughput * (Float(1.f) / survive), p.throughput);
     }
     p.depth = p.depth + Int(1u);
     p.append(stream_, kept_, alive, needs_);
     kept_ += count(alive);
     while (shadows_.count >= laneCount) shadows_.flush(scene_, samples_);
+}
+
+// One vertex of sixteen paths, whose rays have been traced. What goes on is packed into the stream.
+[[gnu::flatten]] void PathFollower::group(PathPacket& p, Mask m, const RayPacket&, const HitPacket& hits, bool first) noexcept {
+    Vertex v;
+    v.albedo = Rgbw(Float(0.f));
+    v.hit = m & (Int(hits.geometry) != Int(Hit::none));
+    if (distantSky_) { // what light samples will read of it comes while the hits are looked at
+        const WideSkyTables sky = skyTables(*distantSky_);
+        const bool shallow = none(p.depth >= Int(16u));
+        const WidePick uLight = WideSampler(p.keyLow, p.keyHigh, p.sample).get3D(mixedAt<startDimensions, 8>(p.depth, shallow));
+        const Int cell = skyCell(sky, paths_.lights().edge(), uLight);
+        fetchSkyCells(sky, cell, v.hit);
+        meet(p, hits, v);
+        fetchSkyTexels(sky, cell, uLight.u, v.hit);
+    } else {
+        meet(p, hits, v);
+    }
+    if (none(v.alone | (v.lanes & ((v.flags & Int(WideMaterial::lobes)) != Int(0u)))))
+        shade<true>(p, m, hits, v, first);
+    else
+        shade<false>(p, m, hits, v, first);
 }
 
 void PathFollower::begin(const StartPacket& start) noexcept {
@@ -289,6 +315,7 @@ void PathFollower::begin(const StartPacket& start) noexcept {
     p.throughput = Rgbw(Float(1.f));
     p.pdfW = Float(-1.f);
     p.time = Float(start.rays.time);
+    p.width = Float(pixel_.width), p.spread = Float(pixel_.spread);
     alignas(64) uint32_t slots[laneCount];
     for (uint32_t k = 0; k < laneCount; ++k) slots[k] = start.first + k;
     p.slot = Int(slots);

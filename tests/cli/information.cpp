@@ -70,7 +70,7 @@ TEST_SUITE("information") {
         CHECK(scene["triangles"]["drawn"] == 1);
         CHECK(scene["bounds"][1][0] == 1.0);
         CHECK(scene["materials"][0]["name"] == "paint");
-        CHECK(scene["added"].size() == 2);
+        CHECK(scene["added"].size() >= 2);
         CHECK(contains(run(folder, {"info", "bare.gltf"}).out, "\"paint\"  dielectric"));
         const auto cornell = nlohmann::json::parse(run(folder, {"info", "@cornell", "--json"}).out);
         CHECK(cornell["lights"][0]["kind"] == "mesh");

@@ -57,6 +57,28 @@ TEST_SUITE("motion") {
         CHECK(contains(info.out, "1 \"sink\"  1 s, 1 translation\n"));
     }
 
+    TEST_CASE("--scene and --camera choose by number or by name, in any script; folders and files too") {
+        if (absent()) return;
+        const Folder folder;
+        std::string two = lampFile;
+        const auto put = [&two](const std::string& from, const std::string& to) { two.replace(two.find(from), from.size(), to); };
+        put(R"("scenes":[{"nodes":[0,1]}])", R"("scenes":[{"nodes":[0,1]},{"name":"Bühne 舞","nodes":[2,1]}])");
+        put(R"({"camera":0,"translation":[0,0,5]}],)",
+            R"({"camera":0,"name":"Käm","translation":[0,0,5]},{"mesh":0,"translation":[2.5,0,0]}],)");
+        folder.write("lamp.gltf", two);
+        CHECK(lit(seenAt(folder, 32, 40, {})));
+        CHECK(lit(seenAt(folder, 32, 40, {"--scene", "0"})));
+        CHECK_FALSE(lit(seenAt(folder, 32, 40, {"--scene", "1"})));
+        CHECK(lit(seenAt(folder, 65, 40, {"--scene", "Bühne 舞", "--camera", "Käm"})));
+        const Outcome told = run(folder, {"render", "lamp.gltf", "--size", "16x16", "--spp", "2", "-o", "Bild 舞.png"});
+        CHECK(told.code == 0);
+        CHECK_MESSAGE(contains(told.err, "2 scenes in the file: 0 is shown      keep it with: --scene 0"), told.err);
+        const Outcome wrong = run(folder, {"info", "lamp.gltf", "--scene", "Bühne"});
+        CHECK(wrong.code == 64);
+        CHECK_MESSAGE(contains(wrong.err, "no scene \"Bühne\" in lamp.gltf; have 0 to 1"), wrong.err);
+        CHECK(contains(run(folder, {"info", "@cornell", "--scene", "1"}).err, "@cornell is one scene"));
+    }
+
     TEST_CASE("options without effect are said, wrong ones refused") {
         if (absent()) return;
         const Folder folder;

@@ -110,6 +110,22 @@ TEST_SUITE("prepass") {
         CHECK(subjects[1].traits.unbiased);
     }
 
+    TEST_CASE("agree looks at the limit of a field that converges") {
+        const PrepassChoice field = choosePrepass("radiosity:patches=500");
+        const auto subjects = makeSubjects(chooseIntegrators("whitted,path"), {}, true, &field);
+        REQUIRE(subjects[0].levels.size() == 3);
+        CHECK(subjects[0].traits.convergesOver == "patches");
+        CHECK(subjects[0].parameter == std::vector<double>{500, 1000, 2000});
+        REQUIRE(subjects[0].fields.size() == 3);
+        CHECK(prepassRecipe(subjects[0].fields[2]) == "radiosity"); // 2,000 is the default
+        CHECK(!subjects[0].paired);
+        CHECK(!subjects[1].converging());
+        const PrepassChoice sized = choosePrepass("radiosity:size=.2");
+        CHECK(makeSubjects(chooseIntegrators("distributed"), {}, true, &sized)[0].traits.convergesOver == "size");
+        // One solution from a file has no limit.
+        CHECK(!makeSubjects(chooseIntegrators("whitted"), {}, true, &field, true)[0].converging());
+    }
+
     TEST_CASE("a contest solves it for every seed, and bills it to each who uses it") {
         Small s;
         PrepassSolver solver(fake::settings(), fake::scene("@cornell"));

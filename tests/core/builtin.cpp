@@ -147,7 +147,7 @@ TEST_SUITE("builtin scenes") {
                     CHECK(m.emission[i] >= 0);
                 }
                 if (!black(m.emission)) CHECK(!m.doubleSided);
-                if (m.metallic == 0 && m.transmission == 0) CHECK(m.specular == 0);
+                if (m.metallic == 0 && m.transmission == 0 && m.iridescence == 0) CHECK(m.specular == 0);
                 if (m.transmission > 0) CHECK((m.volume && !m.doubleSided && m.ior == 1.5f));
             }
         }

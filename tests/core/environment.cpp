@@ -9,7 +9,7 @@ using namespace chiaro::test;
 
 namespace {
 
-using Sky = std::function<double(const Vec3d&)>; // radiance of a direction
+using Radiance = std::function<double(const Vec3d&)>; // radiance of a direction
 
 std::unique_ptr<const Scene> under(EnvironmentDesc e) {
     SceneDesc d;
@@ -21,7 +21,7 @@ Vec3d texelDirection(double column, double row, int width, int height) {
     const double phi = (column / width - 0.5) * 2 * std::numbers::pi, theta = row / height * std::numbers::pi;
     return {std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi)};
 }
-EnvironmentDesc picture(int width, int height, const Sky& sky) {
+EnvironmentDesc picture(int width, int height, const Radiance& sky) {
     return environment(width, height, [&](int x, int y) { return Spectrum(float(sky(texelDirection(x + 0.5, y + 0.5, width, height)))); });
 }
 // Irradiance on a plane of normal n by next-event samples with Lambert's cosine. Independent numbers: an alias table keeps no strata.
@@ -71,7 +71,7 @@ TEST_SUITE("environment") {
         for (const Vec3& n : {Vec3{0, 1, 0}, Vec3{1, 0, 0}, Vec3{0.3f, -0.8f, 0.4f}}) checkIrradiance(*uniform, n, 512, 256, p);
         struct Row {
             const char* name;
-            Sky sky;
+            Radiance sky;
             std::vector<std::pair<double, double>> expected; // tilt in degrees, irradiance
         };
         const Row rows[] = {

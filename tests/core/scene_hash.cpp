@@ -66,6 +66,22 @@ std::vector<Change> materialChanges() {
         m("volume", [](auto& x) { x.volume = false; }),
         m("attenuationDistance", [](auto& x) { x.attenuationDistance = 3; }),
         m("attenuationColor", [](auto& x) { x.attenuationColor[2] = 0.1f; }),
+        m("clearcoat", [](auto& x) { x.clearcoat = 0.1f; }),
+        m("clearcoatRoughness", [](auto& x) { x.clearcoatRoughness = 0.1f; }),
+        m("clearcoatNormalScale", [](auto& x) { x.clearcoatNormalScale = 0.1f; }),
+        m("sheenColor", [](auto& x) { x.sheenColor[1] = 0.1f; }),
+        m("sheenRoughness", [](auto& x) { x.sheenRoughness = 0.1f; }),
+        m("anisotropy", [](auto& x) { x.anisotropy = 0.1f; }),
+        m("anisotropyRotation", [](auto& x) { x.anisotropyRotation = 0.1f; }),
+        m("iridescence", [](auto& x) { x.iridescence = 0.1f; }),
+        m("iridescenceIor", [](auto& x) { x.iridescenceIor = 1.4f; }),
+        m("iridescenceMin", [](auto& x) { x.iridescenceMin = 110; }),
+        m("iridescenceMax", [](auto& x) { x.iridescenceMax = 110; }),
+        m("dispersion", [](auto& x) { x.dispersion = 0.1f; }),
+        m("diffuseTransmission", [](auto& x) { x.diffuseTransmission = 0.1f; }),
+        m("diffuseTransmissionColor", [](auto& x) { x.diffuseTransmissionColor[1] = 0.1f; }),
+        m("specularGlossiness", [](auto& x) { x.specularGlossiness = true; }),
+        m("glossiness", [](auto& x) { x.glossiness = 0.1f; }),
     };
     const std::pair<const char*, TextureSlot MaterialDesc::*> slots[] = {
         {"baseColorTexture", &MaterialDesc::baseColorTexture},
@@ -74,7 +90,18 @@ std::vector<Change> materialChanges() {
         {"emissionTexture", &MaterialDesc::emissionTexture},
         {"specularTexture", &MaterialDesc::specularTexture},
         {"specularColorTexture", &MaterialDesc::specularColorTexture},
-        {"transmissionTexture", &MaterialDesc::transmissionTexture}};
+        {"transmissionTexture", &MaterialDesc::transmissionTexture},
+        {"clearcoatTexture", &MaterialDesc::clearcoatTexture},
+        {"clearcoatRoughnessTexture", &MaterialDesc::clearcoatRoughnessTexture},
+        {"clearcoatNormalTexture", &MaterialDesc::clearcoatNormalTexture},
+        {"sheenColorTexture", &MaterialDesc::sheenColorTexture},
+        {"sheenRoughnessTexture", &MaterialDesc::sheenRoughnessTexture},
+        {"anisotropyTexture", &MaterialDesc::anisotropyTexture},
+        {"iridescenceTexture", &MaterialDesc::iridescenceTexture},
+        {"iridescenceThicknessTexture", &MaterialDesc::iridescenceThicknessTexture},
+        {"diffuseTransmissionTexture", &MaterialDesc::diffuseTransmissionTexture},
+        {"diffuseTransmissionColorTexture", &MaterialDesc::diffuseTransmissionColorTexture},
+        {"specularGlossinessTexture", &MaterialDesc::specularGlossinessTexture}};
     for (const auto& [name, slot] : slots) {
         all.push_back(m(name, [slot = slot](auto& x) { (x.*slot).texture = 0; }));
         all.push_back(m(name, [slot = slot](auto& x) { (x.*slot).uvSet = 1; }));

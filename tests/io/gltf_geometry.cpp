@@ -132,17 +132,21 @@ TEST_SUITE("gltf_geometry") {
         CHECK(warns(notes, "/meshes/0/primitives/0/attributes/NORMAL has 2 elements that are no direction"));
     }
 
-    TEST_CASE("tangents keep the sign of the bitangent; broken ones are dropped") {
+    TEST_CASE("tangents keep the sign of the bitangent; broken ones are dropped, and those of flat normals are none") {
         const Folder folder("tangents");
-        const SceneDesc good = withAttribute("TANGENT", [](Builder& b) {
-                                   return b.accessor<float>({2, 0, 0, 1, 1, 0, 0, -1, 1, 0, 0, 1}, 4, "VEC4");
-                               }).read(folder);
-        CHECK(only(good).tangents == std::vector<Vec4>{{1, 0, 0, 1}, {1, 0, 0, -1}, {1, 0, 0, 1}});
+        const auto with = [](const std::vector<float>& tangents, bool normals = true) {
+            Builder b;
+            json attributes = {{"POSITION", b.accessor<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}, 3, "VEC3")},
+                               {"TANGENT", b.accessor(tangents, 4, "VEC4")}};
+            if (normals) attributes["NORMAL"] = b.accessor<float>({0, 0, 1, 0, 0, 1, 0, 0, 1}, 3, "VEC3");
+            b.node({{"mesh", b.mesh(attributes)}});
+            return b;
+        };
+        const std::vector<float> sound = {2, 0, 0, 1, 1, 0, 0, -1, 1, 0, 0, 1};
+        CHECK(only(with(sound).read(folder)).tangents == std::vector<Vec4>{{1, 0, 0, 1}, {1, 0, 0, -1}, {1, 0, 0, 1}});
+        CHECK(only(with(sound, false).read(folder)).tangents.empty());
         Diagnostics notes;
-        const SceneDesc bad = withAttribute("TANGENT", [](Builder& b) {
-                                  return b.accessor<float>({2, 0, 0, 1, 0, 0, 0, -1, 1, 0, 0, 1}, 4, "VEC4");
-                              }).read(folder, notes);
-        CHECK(only(bad).tangents.empty());
+        CHECK(only(with({2, 0, 0, 1, 0, 0, 0, -1, 1, 0, 0, 1}).read(folder, notes)).tangents.empty());
         CHECK(warns(notes, "TANGENT element 1"));
     }
 
@@ -218,9 +222,57 @@ TEST_SUITE("gltf_geometry") {
         CHECK(notes.warnings().empty());
         for (const int mode : {0, 1, 2, 3}) CHECK(read(mode, notes).instances.empty());
         CHECK(notes.warnings().size() == 1);
-        CHECK(warns(notes, "points or lines"));
+        CHECK(warns(notes, "/meshes/0 has a primitive of points or lines, which is not drawn."));
         CHECK(only(read(4, notes)).indices.size() == 3);
         CHECK(warns(notes, "no multiple of three"));
+    }
+
+    TEST_CASE("strips and fans with indices; triangles that only join a strip are dropped; several primitives of points are counted") {
+        const Folder folder("indexed");
+        const auto read = [&](int mode, const std::vector<uint16_t>& indices) {
+            Builder b;
+            std::vector<float> positions;
+            for (int i = 0; i < 7; ++i) positions.insert(positions.end(), {float(i % 3), float(i / 3), 0});
+            b.node({{"mesh", b.mesh({{"POSITION", b.accessor(positions, 3, "VEC3")}},
+                                    {{"mode", mode}, {"indices", b.accessor(indices, 1, "SCALAR")}})}});
+            return only(b.read(folder)).indices;
+        };
+        CHECK(read(5, {6, 5, 4, 3, 2, 1, 0}) == std::vector<uint32_t>{6, 5, 4, 5, 3, 4, 4, 3, 2, 3, 1, 2, 2, 1, 0});
+        CHECK(read(5, {0, 1, 2, 2, 3, 3, 4, 5, 6}) == std::vector<uint32_t>{0, 1, 2, 3, 5, 4, 4, 5, 6});
+        CHECK(read(6, {6, 0, 1, 1, 2, 3, 4, 5}) == std::vector<uint32_t>{0, 1, 6, 1, 2, 6, 2, 3, 6, 3, 4, 6, 4, 5, 6});
+        Builder b = Builder::triangle();
+        const json attributes = {{"POSITION", 0}};
+        b.root["meshes"][0]["name"] = "dots";
+        for (const int mode : {0, 1}) b.root["meshes"][0]["primitives"].push_back({{"attributes", attributes}, {"mode", mode}});
+        Diagnostics notes;
+        CHECK(only(b.read(folder, notes)).indices.size() == 3);
+        CHECK(warns(notes, "/meshes/0 \"dots\" has 2 primitives of points or lines, which are not drawn."));
+    }
+
+    TEST_CASE("four sets of texture coordinates, those that a texture reads; of a fifth it is said") {
+        const Folder folder("sets");
+        Builder b;
+        json attributes = {{"POSITION", b.accessor<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}, 3, "VEC3")}};
+        for (int set = 0; set < 5; ++set)
+            attributes["TEXCOORD_" + std::to_string(set)] = b.accessor<float>({float(set), 0, 1, 0, 0, 1}, 2, "VEC2");
+        b.root["images"] = {{{"uri", "data:image/png;base64,"}}};
+        b.root["textures"] = {{{"source", 0}}};
+        const auto material = [](int set) { return json{{"emissiveTexture", {{"index", 0}, {"texCoord", set}}}}; };
+        b.root["materials"] = {material(3), material(4)};
+        for (const int m : {0, 1}) b.node({{"mesh", b.mesh(attributes, {{"material", m}})}});
+        Diagnostics notes;
+        GltfOptions options;
+        options.missingTexture = MissingTexture::grey;
+        const SceneDesc s = b.read(folder, notes, options);
+        const PrimitiveDesc &third = s.meshes[0].primitives[0], &none = s.meshes[1].primitives[0];
+        CHECK(s.materials[0].emissionTexture.uvSet == 3);
+        CHECK(s.materials[1].emissionTexture.uvSet == 0);
+        REQUIRE(third.uv[3].size() == 3);
+        CHECK(third.uv[3][0].x == 3);
+        CHECK(third.uv[2].empty());
+        CHECK(none.uv[3].empty());
+        CHECK(none.uv[1].size() == 3);
+        CHECK(warns(notes, "uses TEXCOORD_4; only sets 0 to 3 are read, set 0 stands in"));
     }
 
     TEST_CASE("primitives keep only their part of a shared vertex buffer") {
@@ -241,14 +293,13 @@ TEST_SUITE("gltf_geometry") {
         const int position = b.accessor<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}, 3, "VEC3");
         for (int i = 0; i < 3; ++i)
             b.node({{"mesh", b.mesh({{"POSITION", position}, {"COLOR_1", position}, {"_MINE", position}},
-                                    {{"targets", {{{"POSITION", position}}}}})},
+                                    {{"targets", {{{"POSITION", position}, {"COLOR_0", position}}}}})},
+                    {"weights", {1}},
                     {"extensions", {{"VENDOR_thing", json::object()}}}});
-        b.root["skins"] = {{{"joints", {0}}}};
-        b.root["nodes"][1]["skin"] = 0;
         Diagnostics notes;
         b.read(folder, notes);
-        CHECK(notes.warnings().size() == 4);
-        for (const char* part : {"VENDOR_thing", "morph targets", "skins", "COLOR_1"}) CHECK(warns(notes, part));
+        CHECK(notes.warnings().size() == 3);
+        for (const char* part : {"VENDOR_thing", "morph targets that change \"COLOR_0\"", "COLOR_1"}) CHECK(warns(notes, part));
     }
 
     TEST_CASE("container: .glb, data: URI, external file with spaces, %20 and Unicode") {

@@ -1,5 +1,6 @@
 // Integrals of a closure over the cells of a grid on the sphere (cos theta by phi), adaptive: what a histogram of samples is held against.
 #pragma once
+#include "materials/dispersion.h"
 #include "tests/materials/closures.h"
 #include <algorithm>
 #include <vector>
@@ -30,15 +31,18 @@ public:
     SphereGrid(const Bsdf& bsdf, const Vec3& wo, const BsdfParameters& p, double tolerance = 4e-6) : bsdf_(bsdf), tolerance_(tolerance) {
         const Vec3 o = surface.toLocal(wo);
         phi0_ = std::atan2(double(-o.y), double(-o.x));
-        const bool outside = o.z > 0;
         rows_ = bothWays({0, 5e-4, 2e-3, 6e-3, 0.015, 0.035, 0.07}, 1, 14);
         const double alpha = std::max(double(p.roughness) * p.roughness, 1e-3);
         peaks_.push_back({cast<double>(Vec3{-o.x, -o.y, o.z}), alpha});
         peaks_.push_back({cast<double>(-o), alpha});
-        const double eta = outside ? 1 / p.ior : p.ior, turned = -eta * double(o.z), k = 1 - eta * eta * (1 - double(o.z) * o.z);
-        if (p.ior > 0 && std::fabs(turned) < 1) rows_.insert(std::upper_bound(rows_.begin(), rows_.end(), turned), turned);
-        if (p.ior > 0 && p.ior != 1 && k > 0)
-            peaks_.push_back({{-eta * o.x, -eta * o.y, outside ? -std::sqrt(k) : std::sqrt(k)}, alpha * std::min(1.0, std::fabs(eta - 1))});
+        if (p.clearcoat > 0) {
+            const Vec3 n = lengthSquared(p.clearcoatNormal) > 0 ? surface.toLocal(p.clearcoatNormal) : Vec3{0, 0, 1};
+            const double coat = double(p.clearcoatRoughness) * p.clearcoatRoughness;
+            if (coat >= 1e-3) peaks_.push_back({cast<double>(reflect(o, n)), coat});
+        }
+        if (p.ior > 0) refraction(o, p, alpha);
+        std::sort(rows_.begin(), rows_.end());
+        rows_.erase(std::unique(rows_.begin(), rows_.end()), rows_.end());
     }
 
     std::size_t cellOf(const Vec3& w) const {
@@ -58,6 +62,19 @@ public:
     }
 
 private:
+    // Each channel's own, where colours part.
+    void refraction(const Vec3& o, const BsdfParameters& p, double alpha) {
+        const bool outside = o.z > 0;
+        const Spectrum iors = p.dispersion > 0 ? Dispersion::iors(p.ior, p.dispersion) : Spectrum(p.ior);
+        for (std::size_t i = 0; i < (p.dispersion > 0 ? 3u : 1u); ++i) {
+            const double n = double(iors[i]), eta = outside ? 1 / n : n, turned = -eta * double(o.z),
+                         k = 1 - eta * eta * (1 - double(o.z) * o.z);
+            if (std::fabs(turned) < 1) rows_.push_back(turned);
+            if (n != 1 && k > 0)
+                peaks_.push_back(
+                    {{-eta * o.x, -eta * o.y, outside ? -std::sqrt(k) : std::sqrt(k)}, alpha * std::min(1.0, std::fabs(eta - 1))});
+        }
+    }
     static constexpr double turn = 2 * std::numbers::pi;
     static std::vector<double> bothWays(std::vector<double> up, double end, int steps) {
         const double last = up.back();

@@ -167,7 +167,7 @@ TEST_SUITE("microfacets") {
         CHECK(refracted(.1, 1, 1.5) == Approx(.959198).epsilon(1e-4));
     }
     TEST_CASE("glTF's metal") {
-        const BsdfParameters p{.baseColor = {.8f, .4f, .2f}, .metallic = 1, .roughness = .5f};
+        const BsdfParameters p{.baseColor = {.8f, .4f, .2f}, .metallic = 1, .roughness = .5f, .compensated = false};
         const auto f = [&](const Vec3d& o, const Vec3d& i) {
             return Bsdf(p, {0, 0, 1}, {0, 0, 1}, cast<float>(o)).evaluate(cast<float>(i)).f();
         };

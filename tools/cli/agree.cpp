@@ -197,9 +197,14 @@ int agreeScene(const AgreeSettings& s) {
     Diagnostics notes;
     PrepassSolver prepass(s.base.prepass, s.base.scene);
     prepass.checkFile();
-    std::vector<Subject> subjects = makeSubjects(s.integrators, s.base.paths, true, prepass.choice());
-    for (Subject& subject : subjects)
+    std::vector<Subject> subjects = makeSubjects(s.integrators, s.base.paths, true, prepass.choice(), prepass.kept());
+    std::vector<std::unique_ptr<PrepassSolver>> solvers;
+    for (Subject& subject : subjects) {
         if (prepassFor(subject.choice, prepass.choice())) subject.prepass = &prepass;
+        for (const PrepassChoice& field : subject.fields)
+            subject.solvers.push_back(
+                solvers.emplace_back(std::make_unique<PrepassSolver>(PrepassSettings{field, {}}, s.base.scene)).get());
+    }
     checkOutputs(s, fileNamesOf(s));
     const Executor executor(s.base.threads);
     tellHeader(s.base, executor, console);

@@ -113,7 +113,7 @@ bool renderRound(Renderer& renderer, const std::vector<Subject>& subjects, const
         if (!shared) shared = renderer.render(reference, subject.classes, r, stage.references[subject.reference]);
         if (!shared) return false;
         for (std::size_t l = 0; l < subject.levels.size(); ++l) {
-            auto picture = renderer.render(subject.levels[l], subject.classes, r, stage.trials[s].levels[l], subject.prepass);
+            auto picture = renderer.render(subject.levels[l], subject.classes, r, stage.trials[s].levels[l], subject.solver(l));
             if (!picture) return false;
             round.subjects[s].push_back(std::move(*picture));
         }

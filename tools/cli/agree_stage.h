@@ -33,12 +33,17 @@ struct Subject {
     std::vector<double> weights;   // of the levels in the limit; {1} without
     bool converging() const noexcept { return !parameter.empty(); }
     PrepassSolver* prepass = nullptr; // of the field that it renders with; null: none
-    bool paired = false;              // its replicates share their seeds with the reference's
+    // Where it is the field that converges: that of each level, and who solves it.
+    std::vector<PrepassChoice> fields;
+    std::vector<PrepassSolver*> solvers;
+    PrepassSolver* solver(std::size_t level) const noexcept { return solvers.empty() ? prepass : solvers[level]; }
+    bool paired = false; // its replicates share their seeds with the reference's
 };
 // query: what the user wants (--paths, --max-depth). Error(Exit::usage) where an integrator sees none of it. limits: whether methods with a
-// convergence parameter are judged in its limit, at several levels, or as they were chosen. prepass: of those that take one; null: none.
+// convergence parameter are judged in its limit, at several levels, or as they were chosen. prepass: of those that take one; null: none;
+// kept: it is one for all, from a file, and has no limit.
 std::vector<Subject> makeSubjects(const std::vector<IntegratorChoice>&, const PathQuery& query, bool limits = true,
-                                  const PrepassChoice* prepass = nullptr);
+                                  const PrepassChoice* prepass = nullptr, bool kept = false);
 std::size_t referenceCount(const std::vector<Subject>&);
 
 // Weights a of least squares without errors: sum a_l y_l is the constant of the fit y = c_0 + sum c_k h^(powers_k).

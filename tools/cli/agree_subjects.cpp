@@ -29,19 +29,23 @@ std::string inWords(const PathQuery& q) {
     return text;
 }
 
-void addLevels(Subject& s) {
+// prepass: it is its field that converges; null: the integrator itself.
+void addLevels(Subject& s, const PrepassChoice* prepass) {
     if (s.traits.unbiased || s.traits.convergesOver.empty()) return;
     const std::string& option = s.traits.convergesOver;
-    double h = s.choice.options.real(option);
+    const Options& chosen = prepass ? prepass->options : s.choice.options;
+    const std::span<const OptionSpec> specs = prepass ? prepass->entry->options : s.choice.entry->options;
+    double h = chosen.real(option);
     if (!(h > 0)) throw Error(Exit::usage, fmt::format("-i {}: {}={} must be above 0: agree looks at its limit", s.name, option, h));
-    const auto spec =
-        std::find_if(s.choice.entry->options.begin(), s.choice.entry->options.end(), [&](const OptionSpec& o) { return o.name == option; });
+    const auto spec = std::find_if(specs.begin(), specs.end(), [&](const OptionSpec& o) { return o.name == option; });
     s.levels.clear();
     for (std::size_t l = 0; l < s.traits.convergencePowers.size() + 2; ++l, h *= s.traits.convergenceStep) {
         const double value = spec->type == OptionType::integer ? std::round(h) : h;
-        IntegratorChoice level = s.choice;
-        level.options.set(option, fmt::format("{}", value), fmt::format("agree -i {}, which also renders {}={:g}", s.name, option, value));
-        s.levels.push_back(std::move(level));
+        const std::string text = fmt::format("{}", value),
+                          owner = fmt::format("agree -i {}, which also renders {}={:g}", s.name, option, value);
+        s.levels.push_back(s.choice);
+        if (prepass) s.fields.push_back(*prepass);
+        (prepass ? s.fields.back().options : s.levels.back().options).set(option, text, owner);
         s.parameter.push_back(value);
     }
     s.weights = limitWeights(s.parameter, s.traits.convergencePowers);
@@ -63,7 +67,7 @@ std::vector<double> limitWeights(const std::vector<double>& h, const std::vector
 }
 
 std::vector<Subject> makeSubjects(const std::vector<IntegratorChoice>& choices, const PathQuery& query, bool limits,
-                                  const PrepassChoice* prepass) {
+                                  const PrepassChoice* prepass, bool kept) {
     std::vector<Subject> all;
     std::vector<uint64_t> hashes;
     const std::string reference = integratorRecipe(chooseIntegrator(referenceName));
@@ -76,6 +80,8 @@ std::vector<Subject> makeSubjects(const std::vector<IntegratorChoice>& choices, 
                   .levels = {},
                   .parameter = {},
                   .weights = {},
+                  .fields = {},
+                  .solvers = {},
                   .paired = false};
         const PathQuery judged = judgedPaths(s.traits, query);
         s.judgedOn = inWords(judged);
@@ -87,7 +93,8 @@ std::vector<Subject> makeSubjects(const std::vector<IntegratorChoice>& choices, 
         if (at == hashes.end()) hashes.push_back(s.classes.hash());
         s.levels = {s.choice};
         s.weights = {1};
-        if (limits) addLevels(s);
+        const PrepassChoice* field = prepassFor(choice, prepass);
+        if (limits && !(field && kept)) addLevels(s, field);
         s.paired = limits && !s.converging() && s.name != reference;
         all.push_back(std::move(s));
     }

@@ -51,6 +51,11 @@ constexpr OptionRow animationRow{.name = "animation",
                                  .help = "which animation plays, by name or number (from 0), or all together; default: the first",
                                  .group = scene,
                                  .sample = true};
+constexpr OptionRow sceneRow{.name = "scene",
+                             .metavar = "NAME|N",
+                             .help = "which scene of the file, by name or number (from 0); default: the one that the file says",
+                             .group = scene,
+                             .sample = true};
 constexpr OptionRow isaRow{.name = "isa",
                            .metavar = "NAME",
                            .help = "Embree's instruction set: sse2, sse4.2, avx, avx2 or avx512; default: the machine's best",
@@ -206,6 +211,7 @@ constexpr auto renderTable = std::to_array<OptionRow>({
     frameTimeRow,
     shutterRow,
     animationRow,
+    sceneRow,
     {.name = "exposure",
      .metavar = "EV|auto",
      .help = "x 2^EV; auto brings the log-average to 0.18 with the 99.5 % quantile kept below clipping",
@@ -236,7 +242,7 @@ constexpr auto renderTable = std::to_array<OptionRow>({
 });
 
 constexpr auto infoTable = std::to_array<OptionRow>(
-    {envRow, envRotateRow, envScaleRow, missingTextureRow, frameTimeRow, shutterRow, animationRow, isaRow, strictRow, jsonRow});
+    {envRow, envRotateRow, envScaleRow, missingTextureRow, frameTimeRow, shutterRow, animationRow, sceneRow, isaRow, strictRow, jsonRow});
 constexpr auto jsonTable = std::to_array<OptionRow>({jsonRow});
 constexpr std::span<const OptionRow> noOptions;
 
@@ -271,6 +277,7 @@ constexpr auto sharedRows = std::to_array<OptionRow>({renderRow("prepass"),
                                                       frameTimeRow,
                                                       shutterRow,
                                                       animationRow,
+                                                      sceneRow,
                                                       renderRow("max-memory"),
                                                       renderRow("config"),
                                                       strictRow,
@@ -309,6 +316,7 @@ constexpr auto bakeTable = joined(bakeRows, std::to_array<OptionRow>({renderRow(
                                                                       missingTextureRow,
                                                                       frameTimeRow,
                                                                       animationRow,
+                                                                      sceneRow,
                                                                       renderRow("max-memory"),
                                                                       renderRow("config"),
                                                                       strictRow,

@@ -22,6 +22,26 @@ std::vector<std::string> takers() {
     return names;
 }
 
+// What is left in the limit of the integrator's own option is the error of the field. A field that an integrator shows as well comes near
+// over the same option by the same powers.
+void convergeAs(const PrepassChoice& prepass, Traits& t) {
+    t.convergesOver.clear();
+    const auto all = integrators();
+    const auto shown = std::find_if(all.begin(), all.end(), [&](const IntegratorEntry& e) { return e.name == prepass.entry->name; });
+    if (shown == all.end()) return;
+    Options same(shown->options);
+    const auto has = [](std::span<const OptionSpec> options, std::string_view name) {
+        return std::any_of(options.begin(), options.end(), [&](const OptionSpec& o) { return o.name == name; });
+    };
+    for (const OptionSpec& o : prepass.entry->options)
+        if (has(shown->options, o.name)) same.set(o.name, prepass.options.text(o.name), prepass.entry->name);
+    const Traits field = shown->traits(same);
+    if (field.unbiased || !has(prepass.entry->options, field.convergesOver)) return;
+    t.convergesOver = field.convergesOver;
+    t.convergencePowers = field.convergencePowers;
+    t.convergenceStep = field.convergenceStep;
+}
+
 } // namespace
 
 PrepassSettings readPrepass(const Arguments& a) {
@@ -80,7 +100,7 @@ Traits traitsWith(const IntegratorChoice& choice, const PrepassChoice* prepass) 
     if (!prepass || t.field.empty()) return t;
     t.covers = coveredWith(t, prepass);
     t.unbiased = false;
-    t.convergesOver.clear(); // what is left in the limit of the integrator's own option is the error of the field
+    convergeAs(*prepass, t);
     return t;
 }
 

@@ -28,6 +28,7 @@ void requireTaker(const PrepassSettings&, const std::vector<IntegratorChoice>&);
 std::string takersText(const std::vector<IntegratorChoice>&);
 
 // The traits of an integrator with its pre-pass (null: without): it covers more, and what it adds is an approximation of its own.
+// In its limit: over the option of the pre-pass, as the integrator of the same name converges over it, where it does.
 Traits traitsWith(const IntegratorChoice&, const PrepassChoice*);
 // "whitted + radiosity"; the integrator alone where it has no pre-pass.
 std::string nameWith(const IntegratorChoice&, const PrepassChoice*);

@@ -1,5 +1,6 @@
 #include "tools/cli/scene_source.h"
 #include "core/scene/camera.h"
+#include "io/file_bytes.h"
 #include "io/image_read.h"
 #include "scenes/builtin.h"
 #include "tools/cli/command.h"
@@ -91,9 +92,14 @@ Interval parseShutter(const std::string& text) {
 
 bool moves(const SceneDesc& desc) {
     const auto moving = [](const auto& thing) { return thing.motion.size() > 1; };
+    for (const MeshDesc& mesh : desc.meshes)
+        if (std::any_of(mesh.primitives.begin(), mesh.primitives.end(), [](const PrimitiveDesc& p) { return !p.steps.empty(); }))
+            return true;
     return std::any_of(desc.instances.begin(), desc.instances.end(), moving) ||
            std::any_of(desc.lights.begin(), desc.lights.end(), moving) || std::any_of(desc.cameras.begin(), desc.cameras.end(), moving);
 }
+
+std::string nameOf(const std::string& name) { return name.empty() ? "" : fmt::format(", \"{}\",", printable(name)); }
 
 void noteTime(const SceneRequest& request, const SceneDesc& desc, LoadedScene& loaded, Diagnostics& notes) {
     const auto& all = loaded.animations;
@@ -123,6 +129,10 @@ SceneRequest readSceneRequest(const Arguments& arguments) {
     if (arguments.given("frame-time")) request.frameTime = parseReal("frame-time", arguments.text("frame-time"), -1e9, 1e9);
     if (arguments.given("shutter")) request.shutter = parseShutter(arguments.text("shutter"));
     request.animation = arguments.text("animation");
+    request.scene = arguments.text("scene");
+    if (!request.scene.empty() && request.operand.starts_with('@'))
+        throw Error(Exit::usage,
+                    fmt::format("--scene {}: {} is one scene; --scene chooses among those of a glTF file", request.scene, request.operand));
     if (arguments.given("isa")) {
         request.isa = arguments.text("isa");
         parseChoice("isa", request.isa, {"sse2", "sse4.2", "avx", "avx2", "avx512"});
@@ -154,10 +164,16 @@ LoadedScene loadScene(const SceneRequest& request, Diagnostics& notes, const Exe
         GltfContents found;
         desc = readGltf(request.operand,
                         {request.greyTextures ? MissingTexture::grey : MissingTexture::error, request.frameTime, request.shutter,
-                         request.animation, &run, admit},
+                         request.animation, request.scene, &run, admit},
                         notes, &found);
         loaded.animations = std::move(found.animations);
         loaded.origin = std::move(found.origin);
+        loaded.inventory = std::move(found.inventory);
+        loaded.scenes = std::move(found.scenes);
+        loaded.number = found.scene;
+        if (loaded.scenes.size() > 1 && request.scene.empty())
+            loaded.added.push_back(fmt::format("{} scenes in the file: {}{} is shown      keep it with: --scene {}", loaded.scenes.size(),
+                                               loaded.number, nameOf(loaded.scenes[loaded.number]), loaded.number));
     }
     noteTime(request, desc, loaded, notes);
     lightScene(desc, request, loaded, notes);

@@ -25,6 +25,7 @@ struct SceneRequest {
     double frameTime = 0;  // seconds of the animation
     Interval shutter;      // relative to it
     std::string animation; // as typed; empty: the first
+    std::string scene;     // of the file, as typed; empty: its default
     std::string isa;
     MemoryBudget memory;
     std::string stem() const; // for file names: "cornell", "room"
@@ -38,6 +39,9 @@ struct LoadedScene {
     double seconds = 0;                    // reading and compiling
     std::string environment;               // "of the scene", "studio", a path, "none"
     std::vector<AnimationInfo> animations; // of the file
+    std::vector<std::string> scenes;       // of the file, by name
+    std::size_t number = 0;                // of the scene that is shown
+    std::optional<GltfInventory> inventory; // of the file; a built-in scene has none
     GltfOrigin origin;                     // what of the file the description shows
     std::vector<std::string> added;        // "no light ...: ..."; with the option that fixes it
 };

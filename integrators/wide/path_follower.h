@@ -1,0 +1,74 @@
+// PathFollower: what the loop of WidePaths keeps for one instruction set (integrators/wide/path_follow.h).
+#pragma once
+#include "core/scene/wide_light_sampling.h"
+#include "core/scene/wide_texture_lookup.h"
+#include "integrators/wide/path_packet.h"
+#include "materials/wide_lobes.h"
+
+namespace chiaro::CHIARO_ISA {
+
+class PathFollower {
+public:
+    PathFollower(const WidePaths& paths, uint32_t maxDepth, const Footprint& pixel, SampleLanes& samples, PathStream& stream) noexcept
+        : paths_(paths), scene_(paths.scene()), settings_(paths.settings()),
+          tables_{paths.surfaces().firsts(), reinterpret_cast<const float*>(paths.surfaces().triangles()),
+                  reinterpret_cast<const float*>(paths.surfaces().instances()),
+                  paths.surfaces().geometries() <= laneCount ? &firsts_ : nullptr},
+          materials_(reinterpret_cast<const float*>(paths.materials().records())), maxDepth_(maxDepth), pixel_(pixel),
+          needs_{paths.lights().byTree(), paths.materials().volumes(), paths.textures().filtered()},
+          oneLight_(paths.lights().finite() == 1 && !paths.lights().environment()), samples_(samples), stream_(stream),
+          distantSky_(paths.settings().nee && paths.lights().sky() && paths.lights().sky()->bytes() > (std::size_t(1) << 18)
+                          ? paths.lights().sky()
+                          : nullptr) {
+        for (std::size_t i = 0; tables_.few && i < paths.surfaces().geometries(); ++i) firsts_[i] = paths.surfaces().firsts()[i];
+    }
+    void follow(StartSource& source) noexcept;
+
+private:
+    // A vertex of sixteen paths, as far as it is known.
+    struct Vertex {
+        Mask hit, lanes, alone; // lanes: of the hits those that are shaded here; alone: those that the scalar closure answers for
+        WidePoint at;
+        WideLobes lobes;
+        Int flags, column;
+        Rgbw emission;
+        FrameT<Float> frame;
+        Vec3w ng, wo; // ng: on the side of wo
+        Mask outside;
+        Rgbw albedo;
+    };
+    void begin(const StartPacket&) noexcept;
+    void group(PathPacket&, Mask, const RayPacket&, const HitPacket&, bool first) noexcept;
+    void meet(PathPacket&, const HitPacket&, Vertex&) noexcept;
+    template <bool plain> void shade(PathPacket&, Mask, const HitPacket&, Vertex&, bool first) noexcept;
+    void read(const PathPacket&, const HitPacket&, Mask, Vertex&) noexcept;
+    void widen(PathPacket&, const HitPacket&, const Vertex&, Mask, const WideLobeSample&) noexcept;
+    void find(PathPacket&, Mask, const HitPacket&, Vertex&) noexcept;
+    void face(PathPacket&, Vertex&) noexcept;
+    void direct(PathPacket&, const Vertex&, Mask, const WidePick&) noexcept;
+    Mask scatter(PathPacket&, const HitPacket&, const Vertex&, Mask, const WidePick&) noexcept;
+    Mask alone(PathPacket&, const Vertex&, const WidePick&, const WidePick&, Rgbw& albedo, Vec3w& normal) noexcept;
+    void tell(const PathPacket&, const HitPacket&) noexcept;
+    void add(PathPacket&, Mask, const Rgbw&) noexcept;
+    static void trace(const PathPacket&, RayPacket&) noexcept;
+
+    const WidePaths& paths_;
+    const Scene& scene_;
+    const PathSettings& settings_;
+    const WideTables tables_;
+    const float* const materials_;
+    const uint32_t maxDepth_;
+    const Footprint pixel_;
+    const PathPacket::Needs needs_;
+    const bool oneLight_; // nothing to choose
+    SampleLanes& samples_;
+    PathStream& stream_;
+    const Sky* const distantSky_; // null: none that is sampled, or small enough for the caches near the processor
+    alignas(64) uint32_t firsts_[laneCount] = {};
+    ShadowQueue shadows_;
+    VertexLanes told_;
+    uint32_t kept_ = 0;      // of the stream, packed
+    uint32_t firstSlot_ = 0; // of the starts at hand
+};
+
+} // namespace chiaro::CHIARO_ISA
