@@ -19,7 +19,8 @@ PlainMaterial plainMaterial(const Scene& scene, uint32_t id) {
     at.material = id;
     at.ng = at.ns = {0, 0, 1};
     const BsdfParameters p = surfaceParameters(scene, at);
-    plain.plain = !textured(scene.material(id)) && !hasFurtherLobes(scene.material(id)) && p.metallic <= 0 && p.transmission <= 0 && p.specular <= 0;
+    plain.plain =
+        !textured(scene.material(id)) && !hasFurtherLobes(scene.material(id)) && p.metallic <= 0 && p.transmission <= 0 && p.specular <= 0;
     const Bsdf bsdf(p, at.ng, at.ns, at.ng);
     plain.f = bsdf.evaluate(at.ng).f();
     plain.smooth = bsdf.smooth() && !black(plain.f);

@@ -82,6 +82,7 @@ BsdfParameters surfaceParameters(const SlotReader& read, const MaterialDesc& m, 
     p.baseColor = clamped(
         m.baseColor * rgb(read(m.baseColorTexture, fault(Fault::baseColorNotDecoded) ? Transfer::linear : Transfer::srgb)) * rgb(s.color));
     p.thin = !m.volume;
+    p.compensated = m.compensated;
     if (m.specularGlossiness) [[unlikely]] {
         readSpecularGlossiness(read, m, p);
     } else {

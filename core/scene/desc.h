@@ -81,6 +81,8 @@ struct MaterialDesc {
     Spectrum diffuseTransmissionColor{1};
     TextureSlot diffuseTransmissionTexture;      // linear, A
     TextureSlot diffuseTransmissionColorTexture; // sRGB
+    // What rough facets send to each other leaves at last; false: single scattering alone, as glTF's appendix and other renderers have it.
+    bool compensated = true;
     // KHR_materials_pbrSpecularGlossiness: baseColor is the diffuse colour, specularColor the reflectance at normal incidence; metallic,
     // roughness, ior and specular have no say.
     bool specularGlossiness = false;

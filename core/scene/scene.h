@@ -34,9 +34,9 @@ struct SurfacePoint {
     Point2 uv[uvSets];
     Vec4 color{1, 1, 1, 1}; // vertex colour, linear
     uint32_t material = 0;
-    uint32_t light = Lights::none; // the emissive triangle this is
+    uint32_t light = Lights::none;                                     // the emissive triangle this is
     uint32_t geometry = Hit::none, triangle = 0, instance = Hit::none; // as in Hit; none: not a point of a triangle
-    float error = 0;               // bound of the position's rounding error, metres, in every coordinate
+    float error = 0; // bound of the position's rounding error, metres, in every coordinate
     float time = 0;
 
     // A ray that leaves into the half space of wi, from beyond the error bound: it cannot meet its own surface again.

@@ -50,6 +50,7 @@ std::vector<double> layers(const MaterialDesc& m) {
                           m.dispersion,
                           m.diffuseTransmission,
                           double(m.specularGlossiness),
+                          double(m.compensated),
                           m.glossiness};
     for (const Spectrum* s : {&m.sheenColor, &m.diffuseTransmissionColor}) v.insert(v.end(), {(*s)[0], (*s)[1], (*s)[2]});
     for (const TextureSlot* s : {&m.clearcoatTexture, &m.clearcoatRoughnessTexture, &m.clearcoatNormalTexture, &m.sheenColorTexture,

@@ -30,7 +30,7 @@ public:
     static constexpr float normalSteps = 16777214; // even, so that the axes are exact
 
     explicit WideSurfaces(const Scene&, const Executor* run = nullptr); // run: on its threads; null: on this one
-    const uint32_t* firsts() const noexcept { return firsts_.data(); } // by geometry: its first record; none: ask the scene
+    const uint32_t* firsts() const noexcept { return firsts_.data(); }  // by geometry: its first record; none: ask the scene
     std::size_t geometries() const noexcept { return firsts_.size(); }
     const WideTriangle* triangles() const noexcept { return triangles_.data(); }
     const WideInstance* instances() const noexcept { return instances_.data(); }

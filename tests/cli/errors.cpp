@@ -102,11 +102,11 @@ TEST_SUITE("errors") {
         check(folder, {{"render", "scene.glb"}, 4, "scene_v2.glb"});
         check(folder, {{"render", "@cornell", "--env", "sky.hdr"}, 4, "sky.hdr"});
         folder.write(
-            "draco.gltf",
-            R"({"asset": {"version": "2.0"}, "extensionsRequired": ["KHR_draco_mesh_compression"], "extensionsUsed": ["KHR_draco_mesh_compression"]})");
-        check(folder, {{"render", "draco.gltf"},
+            "basis.gltf",
+            R"({"asset": {"version": "2.0"}, "extensionsRequired": ["KHR_texture_basisu"], "extensionsUsed": ["KHR_texture_basisu"]})");
+        check(folder, {{"render", "basis.gltf"},
                        3,
-                       "draco.gltf needs KHR_draco_mesh_compression, which this build cannot read. Try: gltf-transform copy"});
+                       "basis.gltf needs KHR_texture_basisu, which this build cannot read. Try: gltf-transform ktxdecompress"});
         // A header that promises more than there is.
         folder.write("short.glb", std::string("glTF\x02\0\0\0\x00\x40\x01\0\x00\x30\x01\0JSON{}", 22));
         check(folder, {{"render", "short.glb"}, 4, "short.glb: "});

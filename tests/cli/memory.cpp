@@ -70,7 +70,7 @@ TEST_SUITE("cli-memory") {
         const Outcome textures = run(folder, {"render", "t.gltf", "--max-memory", "10M"});
         CAPTURE(textures.err);
         CHECK(textures.code == 6);
-        CHECK(contains(textures.err, "(textures 13 MB)"));
+        CHECK(contains(textures.err, "(textures 22 MB)"));
         CHECK(contains(textures.err, "Make the textures smaller"));
         const Outcome sky = run(folder, {"render", "@cornell", "--env", "sky.hdr", "--max-memory", "100M"});
         CAPTURE(sky.err);

@@ -53,8 +53,8 @@ TEST_SUITE("motion") {
         CHECK_MESSAGE(contains(o.err, "time     \"slide\" at 0.5 s, shutter 0 to 0.25 s"), o.err);
         CHECK(contains(o.err, "2 animations in the scene: the first, \"slide\", plays      keep it with: --animation 0"));
         const Outcome info = run(folder, {"info", "lamp.gltf"});
-        CHECK(contains(info.out, "0 \"slide\"  1 s, 1 translation, plays"));
-        CHECK(contains(info.out, "1 \"sink\"  1 s, 1 translation\n"));
+        CHECK(contains(info.out, "0  \"slide\"  1 s  1 translation  plays"));
+        CHECK(contains(info.out, "1  \"sink\"   1 s  1 translation\n"));
     }
 
     TEST_CASE("--scene and --camera choose by number or by name, in any script; folders and files too") {

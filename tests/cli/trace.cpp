@@ -74,7 +74,7 @@ TEST_SUITE("trace") {
         CHECK(json["integrators"][1]["integrator"] == "path:nee=off");
         const Outcome info = run(folder, {"info", "cornell.glb"});
         CHECK(info.code == 0);
-        CHECK(contains(info.out + info.err, "points or lines, which are not drawn"));
+        CHECK(contains(info.out + info.err, "has a primitive of points or lines, which is not drawn"));
         const Outcome text = run(folder, {"trace", "@cornell", "--size", "32x32", "--pixel", "16,20", "-i", "path,normals", "-q"});
         CHECK(contains(text.out, "\n\nnormals   @cornell camera \"main\" pixel 16,20 seed 0\n"));
         CHECK(contains(text.out, "La "));

@@ -20,6 +20,9 @@ TEST_SUITE("caustic") {
 TEST_SUITE("playground") {
     TEST_CASE("@playground") { compareAll("@playground"); }
 } // TEST_SUITE
+TEST_SUITE("gallery") {
+    TEST_CASE("@gallery") { compareAll("@gallery"); }
+} // TEST_SUITE
 TEST_SUITE("furnace") {
     TEST_CASE("@furnace") { compareAll("@furnace"); }
 } // TEST_SUITE

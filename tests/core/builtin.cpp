@@ -90,7 +90,7 @@ TEST_SUITE("builtin scenes") {
 
     TEST_CASE("the list: names, sizes, pages") {
         std::set<std::string_view> names;
-        REQUIRE(builtinScenes().size() == 6);
+        REQUIRE(builtinScenes().size() == 7);
         for (const BuiltinScene& b : builtinScenes()) {
             CAPTURE(b.name);
             CHECK(b.name.starts_with("@"));

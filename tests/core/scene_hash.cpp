@@ -82,6 +82,7 @@ std::vector<Change> materialChanges() {
         m("diffuseTransmissionColor", [](auto& x) { x.diffuseTransmissionColor[1] = 0.1f; }),
         m("specularGlossiness", [](auto& x) { x.specularGlossiness = true; }),
         m("glossiness", [](auto& x) { x.glossiness = 0.1f; }),
+        m("compensated", [](auto& x) { x.compensated = false; }),
     };
     const std::pair<const char*, TextureSlot MaterialDesc::*> slots[] = {
         {"baseColorTexture", &MaterialDesc::baseColorTexture},

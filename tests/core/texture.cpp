@@ -1,23 +1,15 @@
 // Texture look-ups: rows K1, K3 and K4 of the verification table, wrap modes, filters, pixel types.
 #include "core/scene/texture.h"
+#include "tests/core/texels.h"
 #include "tests/scene_kit.h"
 #include <cstring>
 #include <doctest/doctest.h>
 
 using namespace chiaro;
+using namespace chiaro::test;
 
 namespace {
 
-template <class T> ImageDesc image(int width, int height, int channels, const std::vector<T>& texels) {
-    ImageDesc i;
-    i.width = width;
-    i.height = height;
-    i.channels = channels;
-    i.type = sizeof(T) == 1 ? PixelType::u8 : sizeof(T) == 2 ? PixelType::u16 : PixelType::f32;
-    i.pixels.resize(texels.size() * sizeof(T));
-    std::memcpy(i.pixels.data(), texels.data(), i.pixels.size());
-    return i;
-}
 Textures one(ImageDesc i, TextureFilter filter = TextureFilter::nearest, Wrap s = Wrap::repeat, Wrap t = Wrap::repeat) {
     std::vector<ImageDesc> images;
     images.push_back(std::move(i));
@@ -39,25 +31,25 @@ TEST_SUITE("texture") {
         const double decode[][2] = {{10, .0030352698},  {11, .0033465358},  {64, .0512694584}, {128, .2158605001},
                                     {188, .5028864580}, {192, .5271151257}, {255, 1},          {0, 0}};
         for (const auto& [byte, linear] : decode) {
-            const Textures t = one(image<uint8_t>(1, 1, 3, Bytes(3, uint8_t(byte))));
+            const Textures t = one(imageOf<uint8_t>(1, 1, 3, Bytes(3, uint8_t(byte))));
             CHECK(double(red(t, .5f, .5f, Transfer::srgb)) == doctest::Approx(linear).epsilon(1e-5));
             CHECK(double(red(t, .5f, .5f)) == doctest::Approx(byte / 255).epsilon(1e-6)); // roughness 128: .502
         }
     }
 
     TEST_CASE("K3: filtered after decoding") {
-        const Textures t = one(image<uint8_t>(2, 1, 1, {0, 255}), TextureFilter::linear, Wrap::clamp);
+        const Textures t = one(imageOf<uint8_t>(2, 1, 1, {0, 255}), TextureFilter::linear, Wrap::clamp);
         CHECK(red(t, .5f, .5f, Transfer::srgb) == doctest::Approx(.5));
     }
 
     TEST_CASE("K4: texel centres, row order") {
-        const Textures t = one(image<uint8_t>(2, 1, 1, {0, 255}), TextureFilter::linear);
+        const Textures t = one(imageOf<uint8_t>(2, 1, 1, {0, 255}), TextureFilter::linear);
         CHECK(red(t, .25f, .3f) == 0);
         CHECK(red(t, .75f, .3f) == 1);
         CHECK(red(t, .5f, .9f) == doctest::Approx(.5));
         CHECK(red(t, 0, .9f) == doctest::Approx(.5));
         CHECK(red(t, 1, .1f) == doctest::Approx(.5));
-        const Textures rows = one(image<uint8_t>(1, 4, 1, {0, 85, 170, 255}));
+        const Textures rows = one(imageOf<uint8_t>(1, 4, 1, {0, 85, 170, 255}));
         for (int i = 0; i < 4; ++i) CHECK(red(rows, .5f, (float(i) + .5f) / 4) == doctest::Approx(i / 3.0));
     }
 
@@ -77,20 +69,20 @@ TEST_SUITE("texture") {
             CAPTURE(int(k.mode));
             CAPTURE(k.u);
             const Bytes texels = {0, 85, 170, 255};
-            CHECK(red(one(image(4, 1, 1, texels), TextureFilter::nearest, k.mode), k.u, .5f) == doctest::Approx(k.texel / 3.0));
-            CHECK(red(one(image(1, 4, 1, texels), TextureFilter::nearest, Wrap::repeat, k.mode), .5f, k.u) ==
+            CHECK(red(one(imageOf(4, 1, 1, texels), TextureFilter::nearest, k.mode), k.u, .5f) == doctest::Approx(k.texel / 3.0));
+            CHECK(red(one(imageOf(1, 4, 1, texels), TextureFilter::nearest, Wrap::repeat, k.mode), .5f, k.u) ==
                   doctest::Approx(k.texel / 3.0));
         }
         // Between the last texel and what lies beyond the border, half a texel each.
         const Bytes texels = {0, 85, 170, 255};
-        CHECK(red(one(image(4, 1, 1, texels), TextureFilter::linear, Wrap::repeat), 1, .5f) == doctest::Approx(.5));
-        CHECK(red(one(image(4, 1, 1, texels), TextureFilter::linear, Wrap::mirror), 1, .5f) == doctest::Approx(1));
-        CHECK(red(one(image(4, 1, 1, texels), TextureFilter::linear, Wrap::clamp), 0, .5f) == 0);
-        CHECK(red(one(image(4, 1, 1, texels), TextureFilter::linear, Wrap::mirror), -0.25f, .5f) == doctest::Approx(0.5 / 3));
+        CHECK(red(one(imageOf(4, 1, 1, texels), TextureFilter::linear, Wrap::repeat), 1, .5f) == doctest::Approx(.5));
+        CHECK(red(one(imageOf(4, 1, 1, texels), TextureFilter::linear, Wrap::mirror), 1, .5f) == doctest::Approx(1));
+        CHECK(red(one(imageOf(4, 1, 1, texels), TextureFilter::linear, Wrap::clamp), 0, .5f) == 0);
+        CHECK(red(one(imageOf(4, 1, 1, texels), TextureFilter::linear, Wrap::mirror), -0.25f, .5f) == doctest::Approx(0.5 / 3));
     }
 
     TEST_CASE("nearest takes one texel, linear blends four") {
-        const ImageDesc checker = image<uint8_t>(2, 2, 1, {0, 255, 255, 0});
+        const ImageDesc checker = imageOf<uint8_t>(2, 2, 1, {0, 255, 255, 0});
         const Textures nearest = one(checker), linear = one(checker, TextureFilter::linear);
         CHECK(red(nearest, .49f, .49f) == 0);
         CHECK(red(nearest, .51f, .49f) == 1);
@@ -109,26 +101,26 @@ TEST_SUITE("texture") {
         };
         const float s = srgbToLinear(51 / 255.f), a = 0.2f; // 51/255 = 0.2; alpha is linear always
         for (const TextureFilter f : {TextureFilter::nearest, TextureFilter::linear}) {
-            check(one(image<uint8_t>(1, 1, 1, {51}), f), Transfer::srgb, {s, s, s, 1});
-            check(one(image<uint8_t>(1, 1, 2, {51, 51}), f), Transfer::srgb, {s, s, s, a});
-            check(one(image<uint8_t>(1, 1, 3, {51, 0, 255}), f), Transfer::srgb, {s, 0, 1, 1});
-            check(one(image<uint8_t>(1, 1, 4, {51, 0, 255, 51}), f), Transfer::srgb, {s, 0, 1, a});
-            check(one(image<uint8_t>(1, 1, 4, {51, 0, 255, 51}), f), Transfer::linear, {a, 0, 1, a});
-            check(one(image<uint16_t>(1, 1, 1, {13107}), f), Transfer::srgb, {s, s, s, 1});
-            check(one(image<uint16_t>(1, 1, 2, {13107, 13107}), f), Transfer::linear, {a, a, a, a});
-            check(one(image<uint16_t>(1, 1, 3, {13107, 0, 65535}), f), Transfer::srgb, {s, 0, 1, 1});
-            check(one(image<uint16_t>(1, 1, 4, {13107, 0, 65535, 13107}), f), Transfer::srgb, {s, 0, 1, a});
-            check(one(image<float>(1, 1, 1, {7.5f}), f), Transfer::srgb, {7.5f, 7.5f, 7.5f, 1}); // floats are linear by nature
-            check(one(image<float>(1, 1, 2, {7.5f, .25f}), f), Transfer::srgb, {7.5f, 7.5f, 7.5f, .25f});
-            check(one(image<float>(1, 1, 3, {7.5f, -1, 2}), f), Transfer::linear, {7.5f, -1, 2, 1});
-            check(one(image<float>(1, 1, 4, {7.5f, -1, 2, .5f}), f), Transfer::linear, {7.5f, -1, 2, .5f});
+            check(one(imageOf<uint8_t>(1, 1, 1, {51}), f), Transfer::srgb, {s, s, s, 1});
+            check(one(imageOf<uint8_t>(1, 1, 2, {51, 51}), f), Transfer::srgb, {s, s, s, a});
+            check(one(imageOf<uint8_t>(1, 1, 3, {51, 0, 255}), f), Transfer::srgb, {s, 0, 1, 1});
+            check(one(imageOf<uint8_t>(1, 1, 4, {51, 0, 255, 51}), f), Transfer::srgb, {s, 0, 1, a});
+            check(one(imageOf<uint8_t>(1, 1, 4, {51, 0, 255, 51}), f), Transfer::linear, {a, 0, 1, a});
+            check(one(imageOf<uint16_t>(1, 1, 1, {13107}), f), Transfer::srgb, {s, s, s, 1});
+            check(one(imageOf<uint16_t>(1, 1, 2, {13107, 13107}), f), Transfer::linear, {a, a, a, a});
+            check(one(imageOf<uint16_t>(1, 1, 3, {13107, 0, 65535}), f), Transfer::srgb, {s, 0, 1, 1});
+            check(one(imageOf<uint16_t>(1, 1, 4, {13107, 0, 65535, 13107}), f), Transfer::srgb, {s, 0, 1, a});
+            check(one(imageOf<float>(1, 1, 1, {7.5f}), f), Transfer::srgb, {7.5f, 7.5f, 7.5f, 1}); // floats are linear by nature
+            check(one(imageOf<float>(1, 1, 2, {7.5f, .25f}), f), Transfer::srgb, {7.5f, 7.5f, 7.5f, .25f});
+            check(one(imageOf<float>(1, 1, 3, {7.5f, -1, 2}), f), Transfer::linear, {7.5f, -1, 2, 1});
+            check(one(imageOf<float>(1, 1, 4, {7.5f, -1, 2, .5f}), f), Transfer::linear, {7.5f, -1, 2, .5f});
         }
     }
 
     TEST_CASE("coordinates that are not finite, and pictures as wide as they come") {
         for (const Wrap mode : {Wrap::repeat, Wrap::mirror, Wrap::clamp})
             for (const TextureFilter f : {TextureFilter::nearest, TextureFilter::linear}) {
-                const Textures t = one(image<uint8_t>(65536, 1, 1, Bytes(65536, 255)), f, mode, mode);
+                const Textures t = one(imageOf<uint8_t>(65536, 1, 1, Bytes(65536, 255)), f, mode, mode);
                 for (const float u : {std::nanf(""), infinity, -infinity, 3e38f, -3e38f, 65535.99f, -65536.5f, 1e-40f})
                     CHECK(t.lookup(0, {u, u}, Transfer::srgb) == Vec4{1, 1, 1, 1});
             }

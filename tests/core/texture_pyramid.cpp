@@ -1,6 +1,7 @@
 // Pyramids of textures and look-ups over a footprint: levels in closed form, odd sizes, every pixel type, ellipses against sums over
 // texels.
 #include "core/scene/ray_cone.h"
+#include "tests/core/texels.h"
 #include "tests/scene_kit.h"
 #include "tests/statistics.h"
 #include <cstring>
@@ -11,16 +12,6 @@ using namespace chiaro::test;
 
 namespace {
 
-template <class T> ImageDesc picture(int width, int height, int channels, const std::vector<T>& texels) {
-    ImageDesc i;
-    i.width = width;
-    i.height = height;
-    i.channels = channels;
-    i.type = sizeof(T) == 1 ? PixelType::u8 : sizeof(T) == 2 ? PixelType::u16 : PixelType::f32;
-    i.pixels.resize(texels.size() * sizeof(T));
-    std::memcpy(i.pixels.data(), texels.data(), i.pixels.size());
-    return i;
-}
 template <class T> std::vector<T> noise(std::size_t count, uint64_t seed = 1) {
     stats::Random u(seed);
     std::vector<T> texels(count);
@@ -45,7 +36,7 @@ ImageDesc checker(int size, int square = 1) {
     std::vector<uint8_t> texels;
     for (int y = 0; y < size; ++y)
         for (int x = 0; x < size; ++x) texels.push_back((x / square + y / square) % 2 ? 255 : 0);
-    return picture(size, size, 1, texels);
+    return imageOf(size, size, 1, texels);
 }
 // The mean over a parallelogram about uv with these sides, by texels of the base.
 double brute(const Textures& t, Point2 uv, Point2 p, Point2 q, int n = 200) {
@@ -104,10 +95,10 @@ TEST_SUITE("texture-pyramid") {
                             CHECK(last.width * last.height == 1);
                         }
                 };
-                check(one(picture(size.width, size.height, channels, noise<float>(count))), 2e-6);
-                check(one(picture(size.width, size.height, channels, noise<uint16_t>(count))), 2e-5);
+                check(one(imageOf(size.width, size.height, channels, noise<float>(count))), 2e-6);
+                check(one(imageOf(size.width, size.height, channels, noise<uint16_t>(count))), 2e-5);
                 // A code of eight bits spans up to .009 of linear light; a level of one texel is rounded once.
-                check(one(picture(size.width, size.height, channels, noise<uint8_t>(count))), 0.0046);
+                check(one(imageOf(size.width, size.height, channels, noise<uint8_t>(count))), 0.0046);
             }
     }
 
@@ -115,7 +106,7 @@ TEST_SUITE("texture-pyramid") {
         for (int channels = 1; channels <= 4; ++channels)
             for (const auto& [width, height] : {std::pair{19, 23}, {1, 40}, {64, 2}}) {
                 const auto texels = noise<uint16_t>(std::size_t(width) * height * channels, 7);
-                const Textures t = one(picture(width, height, channels, texels));
+                const Textures t = one(imageOf(width, height, channels, texels));
                 std::vector<std::byte> row;
                 int wrong = 0;
                 for (int y = 0; y < height; ++y) {
@@ -157,7 +148,7 @@ TEST_SUITE("texture-pyramid") {
     }
 
     TEST_CASE("footprints: nothing where they are small, the mean of the picture where they are large") {
-        const Textures t = one(picture(64, 64, 3, noise<uint8_t>(64 * 64 * 3)));
+        const Textures t = one(imageOf(64, 64, 3, noise<uint8_t>(64 * 64 * 3)));
         stats::Random u(3);
         const double whole = mean(t.images()[0], 0, Transfer::srgb, 1);
         for (int i = 0; i < 200; ++i) {
@@ -185,7 +176,7 @@ TEST_SUITE("texture-pyramid") {
                                  0.25f * std::cos(2 * pi * (3 * float(x) + 7 * float(y)) / size));
         stats::Random u(11);
         for (const Wrap mode : {Wrap::repeat, Wrap::mirror, Wrap::clamp}) {
-            const Textures t = one(picture(size, size, 1, texels), mode, mode);
+            const Textures t = one(imageOf(size, size, 1, texels), mode, mode);
             // Beyond a clamped border a level shows the mean of its last texels, not the last ones of the picture: it stays within.
             const auto inside = [&](float x) { return mode == Wrap::clamp ? 0.25f + 0.5f * x : 2 * x - 0.5f; };
             double squares = 0, unfiltered = 0;
@@ -208,7 +199,7 @@ TEST_SUITE("texture-pyramid") {
     TEST_CASE("one bright texel: what all look-ups over a grid find together is its energy, at every width") {
         std::vector<float> texels(64 * 64, 0.f);
         texels[20 * 64 + 33] = 4096;
-        const Textures t = one(picture(64, 64, 1, texels));
+        const Textures t = one(imageOf(64, 64, 1, texels));
         for (const float width : {0.5f, 1.f, 1.7f, 3.f, 8.f, 20.f, 70.f})
             for (const float ratio : {1.f, 2.5f, 6.f, 30.f}) {
                 double sum = 0;

@@ -235,8 +235,8 @@ TEST_SUITE("gltf_animation") {
         CHECK(origin(s.instances[0].toWorld).x == 1);
         CHECK(origin(s.instances[1].toWorld).x == 2);
         CHECK(notes.warnings().size() == 6);
-        for (const char* part :
-             {"animates morph targets of /nodes/0, which has none", "has a matrix", "twice", "animates \"colour\"", "KHR_animation_pointer", "without a target"})
+        for (const char* part : {"animates morph targets of /nodes/0, which has none", "has a matrix", "twice", "animates \"colour\"",
+                                 "KHR_animation_pointer", "without a target"})
             CHECK_MESSAGE(warns(notes, part), part);
     }
 

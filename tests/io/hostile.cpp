@@ -31,7 +31,6 @@ void checkText(const std::string& name, const std::string& content, const std::v
     const Folder folder("hostile");
     checkFailure(folder.write(name, content), code, parts);
 }
-
 json& accessor(Builder& b) { return b.root["accessors"][0]; }
 json& primitive(Builder& b) { return b.root["meshes"][0]["primitives"][0]; }
 json& node(Builder& b) { return b.root["nodes"][0]; }

@@ -110,14 +110,14 @@ TEST_SUITE("distributed-paths") {
         const auto scene = compiled(table());
         for (const std::string name : {"distributed", "distributed:gloss=off", "distributed:translucency=off"}) {
             CAPTURE(name);
-            const Settings how{16, 16, 32};
+            const Settings how{16, 16, 48};
             checkSame(restricted(*scene, how, name, traitsOf(name)), restricted(*scene, how, "path", traitsOf(name)), 0.05);
         }
     }
 
     TEST_CASE("splitting does not change the mean, however it decays") {
         const auto scene = compiled(table());
-        const Settings how{16, 16, 32};
+        const Settings how{16, 16, 48};
         const Measured path = restricted(*scene, how, "path", traitsOf("distributed"));
         for (const char* n : {"light-samples=1,glossy-samples=1", "light-samples=4,glossy-samples=16,split-decay=2",
                               "light-samples=16,glossy-samples=3,split-decay=1", "min-weight=1"}) {

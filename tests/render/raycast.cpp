@@ -162,7 +162,7 @@ TEST_SUITE("raycast-pictures") {
         for (const PunctualDesc& lamp : lampKinds()) {
             CAPTURE(int(lamp.kind));
             const auto scene = compiled(shadowedScene(lamp));
-            const auto truth = picture(*scene, overview(), s, "path");
+            const auto truth = picture(*scene, overview(), s, "path:wide=off");
             CHECK(worst(*truth, *picture(*scene, overview(), s, "raycast:shadows=ray")) < 2e-5);
             CHECK(worst(*truth, *picture(*scene, overview(), s, "raycast")) > 0.1); // and without them it is not
         }

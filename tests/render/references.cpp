@@ -26,6 +26,7 @@ Json readJson(const fs::path& file) {
 std::unique_ptr<const Scene> load(const fs::path& file) {
     Diagnostics notes;
     SceneDesc desc = readGltf(file, {}, notes);
+    for (MaterialDesc& m : desc.materials) m.compensated = false; // theirs are not
     const Json sheet = readJson(file.parent_path() / "scene.json");
     if (sheet.contains("environment")) {
         desc.environment = readEnvironment(file.parent_path() / sheet["environment"]["file"].get<std::string>(), notes);

@@ -35,15 +35,15 @@ SceneRequest readSceneRequest(const Arguments&);
 
 struct LoadedScene {
     std::unique_ptr<const Scene> scene;
-    std::optional<Size> size;              // what a built-in scene proposes
-    double seconds = 0;                    // reading and compiling
-    std::string environment;               // "of the scene", "studio", a path, "none"
-    std::vector<AnimationInfo> animations; // of the file
-    std::vector<std::string> scenes;       // of the file, by name
-    std::size_t number = 0;                // of the scene that is shown
+    std::optional<Size> size;               // what a built-in scene proposes
+    double seconds = 0;                     // reading and compiling
+    std::string environment;                // "of the scene", "studio", a path, "none"
+    std::vector<AnimationInfo> animations;  // of the file
+    std::vector<std::string> scenes;        // of the file, by name
+    std::size_t number = 0;                 // of the scene that is shown
     std::optional<GltfInventory> inventory; // of the file; a built-in scene has none
-    GltfOrigin origin;                     // what of the file the description shows
-    std::vector<std::string> added;        // "no light ...: ..."; with the option that fixes it
+    GltfOrigin origin;                      // what of the file the description shows
+    std::vector<std::string> added;         // "no light ...: ..."; with the option that fixes it
 };
 // look: sees the description before it is compiled (and gone). Throws Error(Exit::resources) before anything is read that would not fit.
 LoadedScene loadScene(const SceneRequest&, Diagnostics&, const Executor&, const std::function<void(const SceneDesc&)>& look = {});
