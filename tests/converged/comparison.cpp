@@ -207,7 +207,7 @@ std::span<const Row> rows() {
         // The lamp in mirror and glass, its caustics, and for light tracing a plain that lies mostly out of view.
         {"@playground", "", 0.045, {{"raycast", 0.001}, {"whitted", 0.02}, {"light", 0.4}}},
         // Every lobe of the materials at once.
-        {"@gallery", "", 0.06, {{"light", 0.3}, {"whitted", 0.1}}, {32, 32, 16, 0, 1}},
+        {"@gallery", "", 0.06, {{"light", 0.3}, {"whitted", 0.1}}, {32, 64, 32, 0, 1}},
         {"@furnace", "", 0.002, {{"light", 0.01}}, {32, 16, 32, 0, 1}},
     };
     return all;
