@@ -7,6 +7,7 @@
 #include <fcntl.h>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iostream>
 #include <iterator>
 #include <string>
@@ -69,17 +70,15 @@ public:
         if (chdir(folder.path().c_str()) == 0) execv(binary, arguments.data());
         _exit(127);
     }
-    void send(int signal) const { kill(process_, signal); }
+    void send(int signal) const {
+        if (!ended_) kill(process_, signal);
+    }
     // Until the text is on stderr; false when the program ends first.
     bool awaitStderr(const std::string& text) {
-        for (;;) {
-            if (readAll(folder_ / ".err").find(text) != std::string::npos) return true;
-            if (waitpid(process_, &status_, WNOHANG) == process_) {
-                ended_ = true;
-                return false;
-            }
-            usleep(20'000);
-        }
+        return await([&] { return readAll(folder_ / ".err").find(text) != std::string::npos; });
+    }
+    bool awaitFile(const fs::path& file) {
+        return await([&] { return fs::exists(file); });
     }
     Outcome wait() {
         if (!ended_) waitpid(process_, &status_, 0);
@@ -87,6 +86,16 @@ public:
     }
 
 private:
+    bool await(const std::function<bool()>& there) { // false: it ended before
+        for (;;) {
+            if (there()) return true;
+            if (waitpid(process_, &status_, WNOHANG) == process_) {
+                ended_ = true;
+                return false;
+            }
+            usleep(5'000);
+        }
+    }
     const Folder& folder_;
     pid_t process_ = 0;
     int status_ = 0;

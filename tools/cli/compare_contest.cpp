@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <numeric>
 
 namespace chiaro::cli {
 namespace {
@@ -30,6 +31,10 @@ uint32_t nextLook(const Film& film, double noise) {
     return std::isfinite(wanted) ? std::clamp(uint32_t(std::min(wanted, 1e9)), done + 1, doubled) : doubled;
 }
 
+double sumOf(const std::vector<SeedRun>& runs, double SeedRun::*field) {
+    return std::accumulate(runs.begin(), runs.end(), 0.0, [&](double sum, const SeedRun& r) { return sum + r.*field; });
+}
+
 } // namespace
 
 Contestant::Contestant(IntegratorChoice c, PathClasses paths, const View& view, const PrepassChoice* before)
@@ -37,21 +42,10 @@ Contestant::Contestant(IntegratorChoice c, PathClasses paths, const View& view, 
       file(fileName(choice, prepass) + ".exr"), classes(std::move(paths)), photons(hasPhotons(choice, prepass)),
       judged(view.crop.width(), view.crop.height()) {}
 
-double Contestant::seconds() const noexcept {
-    double sum = 0;
-    for (const SeedRun& r : runs) sum += r.seconds;
-    return sum;
-}
-double Contestant::prepassSeconds() const noexcept {
-    double sum = 0;
-    for (const SeedRun& r : runs) sum += r.prepassSeconds;
-    return sum;
-}
-double Contestant::spp() const noexcept {
-    double sum = 0;
-    for (const SeedRun& r : runs) sum += r.spp;
-    return sum;
-}
+double Contestant::seconds() const noexcept { return sumOf(runs, &SeedRun::seconds); }
+double Contestant::prepassSeconds() const noexcept { return sumOf(runs, &SeedRun::prepassSeconds); }
+double Contestant::prepareSeconds() const noexcept { return sumOf(runs, &SeedRun::prepareSeconds); }
+double Contestant::spp() const noexcept { return sumOf(runs, &SeedRun::spp); }
 FilmLayout Contestant::layout(const View& view) const {
     return {.width = view.width,
             .height = view.height,
@@ -206,7 +200,7 @@ void Contest::renderSeed(Contestant& c, uint64_t seed, const Limit& limit, Cours
             run.snapshots.push_back({run.seconds, double(film->done()), measure(judgedPicture(*film, c.name))});
     }
     run.whole = !stop_.cancelled() && film->done() > 0;
-    if (integrator.seconds() > leastPrepass) run.prepassSeconds += integrator.seconds();
+    if (integrator.seconds() > leastPrepass) run.prepareSeconds = integrator.seconds();
     for (const std::string& warning : notes.warnings()) job_.notes.warn(warning);
     if (c.runs.empty()) {
         c.facts = solved.facts;

@@ -23,10 +23,12 @@ struct Snapshot { // of one seed as it renders on
 };
 struct SeedRun {
     uint64_t seed = 0;
-    double spp = 0; // mean over the pixels: the last pass may be a part of one
-    double seconds = 0, prepassSeconds = 0;
-    double mean = 0;    // luminance
-    bool whole = false; // at least one complete sample, and not stopped
+    double spp = 0;            // mean over the pixels: the last pass may be a part of one
+    double seconds = 0;        // all of it
+    double prepassSeconds = 0; // of these, for the field of --prepass
+    double prepareSeconds = 0; // and for what the integrator itself makes before its first sample: photon maps, tables
+    double mean = 0;           // luminance
+    bool whole = false;        // at least one complete sample, and not stopped
     std::vector<Snapshot> snapshots;
     judge::Picture picture; // empty where all of them would take too much memory
 };
@@ -50,6 +52,7 @@ struct Contestant {
     std::vector<Diagnostics::Fact> facts; // automatic choices of its first seed
     double seconds() const noexcept;
     double prepassSeconds() const noexcept;
+    double prepareSeconds() const noexcept;
     double spp() const noexcept;
     uint32_t wholeSeeds() const noexcept { return uint32_t(judged.count()); }
     FilmLayout layout(const View&) const;

@@ -103,6 +103,7 @@ Entry entryOf(const CompareSettings& s, const Contestant& c, const Judged& judge
     for (std::size_t l = 0; l < layers.size(); ++l) e.layers.push_back(imageOf(judgedLayer(*c.film, int(l), layers[l]), layers[l]));
     e.seconds = c.seconds();
     e.prepassSeconds = c.prepassSeconds();
+    e.prepareSeconds = c.prepareSeconds();
     e.spp = c.spp();
     e.seeds = uint32_t(c.runs.size());
     e.dropped = c.film->dropped();

@@ -82,6 +82,7 @@ Json entryJson(const report::Entry& e, const Stands& s, const judge::AgreementSe
            {"judged", judgedJson(s, rule)},
            {"seconds", e.seconds},
            {"prepassSeconds", e.prepassSeconds},
+           {"prepareSeconds", e.prepareSeconds},
            {"spp", e.spp},
            {"seeds", e.seeds},
            {"dropped", e.dropped}};
@@ -134,13 +135,13 @@ std::string compareTable(const report::Report& r) {
 }
 
 std::string compareCsv(const report::Report& r) {
-    std::string text = "name,source,standing,verdict,covers,seconds,prepass_seconds,spp,seeds,dropped";
+    std::string text = "name,source,standing,verdict,covers,seconds,prepass_seconds,prepare_seconds,spp,seeds,dropped";
     for (const char* name : metricNames) text += fmt::format(",{0},{0}_error", columnName(name));
     text += ",slope,slope_error,file,render\n";
     for (std::size_t i = 0; i < r.entries.size(); ++i) {
         const report::Entry& e = r.entries[i];
-        text += fmt::format("{},{},{},{},{},{},{},{},{},{}", csvQuoted(e.name), e.source, standingName(e.standing), csvQuoted(e.verdict),
-                            csvQuoted(e.covers), e.seconds, e.prepassSeconds, e.spp, e.seeds, e.dropped);
+        text += fmt::format("{},{},{},{},{},{},{},{},{},{},{}", csvQuoted(e.name), e.source, standingName(e.standing), csvQuoted(e.verdict),
+                            csvQuoted(e.covers), e.seconds, e.prepassSeconds, e.prepareSeconds, e.spp, e.seeds, e.dropped);
         for (const char* name : metricNames) {
             const report::Metric* m = find(e, name);
             text += m ? fmt::format(",{},{}", csvNumber(m->value), m->error > 0 ? csvNumber(m->error) : "") : std::string(",,");

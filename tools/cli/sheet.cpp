@@ -44,7 +44,8 @@ std::string duration(double seconds) {
 std::vector<Word> figuresOf(const report::Entry& e) {
     std::vector<Word> pieces;
     if (e.seconds > 0) {
-        const std::string before = e.prepassSeconds > 0 ? fmt::format(" ({} pre-pass)", duration(e.prepassSeconds)) : "";
+        const double prepass = e.prepassSeconds + e.prepareSeconds;
+        const std::string before = prepass > 0 ? fmt::format(" ({} pre-pass)", duration(prepass)) : "";
         pieces.push_back({duration(e.seconds) + before, faint});
     }
     if (e.spp > 0) pieces.push_back({fmt::format("{:.{}f} spp", e.spp, e.spp == std::round(e.spp) ? 0 : 1), faint}); // a mean over seeds

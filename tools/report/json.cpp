@@ -82,6 +82,7 @@ Json entryJson(const Entry& e, const Fitted::Entry& blocks, uint32_t& next) {
             {"metrics", std::move(metrics)},
             {"seconds", number(e.seconds)},
             {"prepassSeconds", number(e.prepassSeconds)},
+            {"prepareSeconds", number(e.prepareSeconds)},
             {"spp", number(e.spp)},
             {"seeds", e.seeds},
             {"dropped", e.dropped},

@@ -43,8 +43,10 @@ struct Entry {
     std::vector<Image> layers; // per bounce and path class; same size
     std::vector<Map> maps;
     std::vector<Metric> metrics;
-    double seconds = 0, prepassSeconds = 0; // of all seeds together, pre-passes included in seconds; 0 where there was no render
-    double spp = 0;                         // the same
+    double seconds = 0; // of all seeds together, what comes before the first sample included; 0 where there was no render
+    // Before the first sample: a field that was solved for it (--prepass), and its own photon maps, solution or tables.
+    double prepassSeconds = 0, prepareSeconds = 0;
+    double spp = 0;
     uint32_t seeds = 1;
     uint64_t dropped = 0; // non-finite samples, or non-finite pixels of a file
     std::string file;     // the EXR beside the page

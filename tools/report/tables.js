@@ -117,7 +117,7 @@ function sentence(e) {
 function verdicts() {
     byId('verdict-rows').replaceChildren(...entries.map((e, index) => {
         const time = e.seconds > 0
-                         ? duration(e.seconds) + (e.prepassSeconds > 0 ? ` (${duration(e.prepassSeconds)} before the first sample)` : '')
+                         ? duration(e.seconds) + (e.prepassSeconds + e.prepareSeconds > 0 ? ` (${duration(e.prepassSeconds + e.prepareSeconds)} before the first sample)` : '')
                                                                        : '';
         const facts =
             [time, e.spp > 0 ? short(e.spp, 4) + ' spp' : '', e.seeds > 1 ? counted(e.seeds, 'seed') : '', e.file].filter(Boolean).join(
