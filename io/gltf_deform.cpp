@@ -47,6 +47,7 @@ private:
         return by_.skin < 0 ? p : blended(part, vertex, sample).point(p);
     }
     ShapeDesc shape(Part&, size_t sample) const;
+    void morphLooks(const Part&, PrimitiveDesc&) const;
     void morphDirections(const Part&, size_t sample, ShapeDesc&) const;
     void skin(Part&, size_t sample, ShapeDesc&) const;
     void check(const ShapeDesc&) const;
@@ -157,6 +158,31 @@ ShapeDesc Deformer::shape(Part& part, size_t sample) const {
     return s;
 }
 
+// Texture coordinates and colours of the morphed mesh: as they are half way through the shutter.
+void Deformer::morphLooks(const Part& part, PrimitiveDesc& p) const {
+    if (std::none_of(part.targets.begin(), part.targets.end(), [](const MorphTarget& t) { return t.looks(); })) return;
+    const std::vector<double>& weights = by_.weights[by_.weights.size() / 2];
+    for (size_t k = 0; k < part.targets.size(); ++k) {
+        const MorphTarget& t = part.targets[k];
+        const auto w = float(weights[k]);
+        for (size_t set = 0; set < uvSets; ++set)
+            for (size_t i = 0; i < t.uv[set].size(); ++i)
+                p.uv[set][i] = {p.uv[set][i].x + w * t.uv[set][i].x, p.uv[set][i].y + w * t.uv[set][i].y};
+        for (size_t i = 0; i < t.colors.size(); ++i) {
+            const Vec4 &c = p.colors[i], &d = t.colors[i];
+            p.colors[i] = {c.x + w * d.x, c.y + w * d.y, c.z + w * d.z, c.w + w * d.w};
+        }
+    }
+    const auto finite = [](const auto&... x) { return (std::isfinite(x) && ...); };
+    for (auto& uv : p.uv)
+        for (Point2& at : uv)
+            if (!finite(at.x, at.y)) to_.file.fail(where(), "takes texture coordinates beyond all numbers. Mend the morph targets.");
+    for (Vec4& c : p.colors) c = {clamp01(c.x), clamp01(c.y), clamp01(c.z), clamp01(c.w)}; // glTF 3.7.2.2
+    if (by_.weights.size() > 1)
+        to_.file.warn(fmt::format("{} changes texture coordinates or colours while the shutter is open; they stay as they are half way.",
+                                  part.place));
+}
+
 void Deformer::check(const ShapeDesc& shape) const {
     for (const Vec3& p : shape.positions)
         if (!chiaro::finite(p) || maxAbs(p) > 1e18f) // a BVH squares it
@@ -236,7 +262,7 @@ void Deformer::addPart(int mesh, size_t number, const ReadPrimitive& base) {
     part.base = &base;
     part.number = number;
     part.place = placeOf(size_t(mesh), number);
-    to_.verticesRead += to_.file.accessors[size_t(from.attributes.at("POSITION"))].count * (1 + 3 * by_.targets.size());
+    to_.verticesRead += to_.file.accessors[size_t(from.attributes.at("POSITION"))].count * (1 + 5 * by_.targets.size());
     if (to_.verticesRead > maxVerticesRead)
         to_.file.fail(part.place,
                       fmt::format("brings what is read for skins and morph targets above {} vertices. Split the scene.", maxVerticesRead));
@@ -268,6 +294,7 @@ DeformedMesh Deformer::convert(int mesh) {
         PrimitiveDesc p;
         for (int set = 0; set < uvSets; ++set) p.uv[set] = base.uv[set];
         p.colors = base.colors;
+        morphLooks(parts_[k], p);
         p.indices = base.indices;
         if (parts_[k].mirrored)
             for (size_t i = 0; i + 2 < p.indices.size(); i += 3) std::swap(p.indices[i + 1], p.indices[i + 2]);

@@ -1,3 +1,4 @@
+#include "core/math/half.h"
 #include "core/render/in_parallel.h"
 #include "io/gltf_file.h"
 #include "io/image_read.h"
@@ -65,16 +66,19 @@ struct Decoded {
 
 // A texel that is no number would make every sample that looks at it none. How many there were.
 size_t mendNumbers(ImageDesc& image) {
-    if (image.type != PixelType::f32) return 0;
-    size_t bad = 0;
-    for (size_t at = 0; at < image.pixels.size(); at += sizeof(float)) {
-        float v;
-        std::memcpy(&v, &image.pixels[at], sizeof v);
-        if (std::isfinite(v)) continue;
-        std::memset(&image.pixels[at], 0, sizeof v);
-        ++bad;
-    }
-    return bad;
+    const auto mend = [&](auto number, const auto& finite) {
+        size_t bad = 0;
+        for (size_t at = 0; at < image.pixels.size(); at += sizeof number) {
+            std::memcpy(&number, &image.pixels[at], sizeof number);
+            if (finite(number)) continue;
+            std::memset(&image.pixels[at], 0, sizeof number);
+            ++bad;
+        }
+        return bad;
+    };
+    if (image.type == PixelType::f32) return mend(0.f, [](float v) { return std::isfinite(v); });
+    if (image.type == PixelType::f16) return mend(uint16_t(0), [](uint16_t code) { return std::isfinite(halfToFloat(code)); });
+    return 0;
 }
 
 Decoded decodeInto(ImageDesc& image, const Conversion& to, size_t number) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <optional>
 
 namespace chiaro::gltf {
 
@@ -71,17 +72,51 @@ Deformation deformationOf(Conversion& to, size_t node) {
 
 namespace {
 
-std::vector<Vec3> deltas(const GltfFile& file, size_t accessor, const ReadPrimitive& read, const std::string& place) {
-    std::vector<Vec3> all(file.accessors[accessor].count);
-    readFloats(file, accessor, {reinterpret_cast<float*>(all.data()), all.size() * 3});
-    std::vector<Vec3> kept;
-    for (size_t v = 0; v < read.desc.positions.size(); ++v) {
+// One delta for each vertex that was kept; numbers that the accessor does not have are 0.
+template <class V> std::vector<V> deltas(const GltfFile& file, size_t accessor, const ReadPrimitive& read, const std::string& place) {
+    static_assert(std::is_trivially_copyable_v<V> && sizeof(V) % sizeof(float) == 0);
+    const size_t width = size_t(file.accessors[accessor].width);
+    const std::vector<float> all = readFloats(file, accessor);
+    std::vector<V> kept(read.desc.positions.size());
+    for (size_t v = 0; v < kept.size(); ++v) {
         const size_t vertex = read.kept.empty() ? v : read.kept[v];
-        if (!chiaro::finite(all[vertex]))
+        const float* const from = &all[vertex * width];
+        if (!std::all_of(from, from + width, [](float x) { return std::isfinite(x); }))
             file.fail(place, fmt::format("element {} is not finite. Mend the morph target and export it again.", vertex));
-        kept.push_back(all[vertex]);
+        std::copy_n(from, width, reinterpret_cast<float*>(&kept[v]));
     }
     return kept;
+}
+
+// The set of TEXCOORD_n; none for other names.
+std::optional<size_t> uvSetOf(const std::string& name) {
+    for (size_t set = 0; set < uvSets; ++set)
+        if (name == fmt::format("TEXCOORD_{}", set)) return set;
+    return {};
+}
+
+struct TargetAttribute {
+    std::string name, place;
+    size_t accessor = 0;
+};
+// Types, whether it is wanted or not.
+void check(const GltfFile& file, const TargetAttribute& a, size_t vertices) {
+    const Accessor& from = file.accessors[a.accessor];
+    const bool uv = uvSetOf(a.name).has_value(), color = a.name == "COLOR_0";
+    const bool fits = uv ? from.type == "VEC2" : from.type == "VEC3" || (color && from.type == "VEC4");
+    if (!fits) file.fail(a.place, fmt::format("has type {}, must be {}. Export the file again.", from.type, uv ? "VEC2" : "VEC3"));
+    if (from.count != vertices)
+        file.fail(a.place, fmt::format("has {} elements, POSITION has {}. Export the file again.", from.count, vertices));
+}
+
+// What the primitive itself does not have cannot be changed; tangents that are made are made again.
+void readInto(MorphTarget& target, const GltfFile& file, const TargetAttribute& a, const ReadPrimitive& read) {
+    if (a.name == "POSITION") target.positions = deltas<Vec3>(file, a.accessor, read, a.place);
+    if (a.name == "NORMAL" && !read.desc.normals.empty()) target.normals = deltas<Vec3>(file, a.accessor, read, a.place);
+    if (a.name == "TANGENT" && !read.tangentSpace) target.tangents = deltas<Vec3>(file, a.accessor, read, a.place);
+    if (a.name == "COLOR_0" && !read.desc.colors.empty()) target.colors = deltas<Vec4>(file, a.accessor, read, a.place);
+    if (const auto set = uvSetOf(a.name); set && !read.desc.uv[*set].empty())
+        target.uv[*set] = deltas<Point2>(file, a.accessor, read, a.place);
 }
 
 } // namespace
@@ -93,23 +128,15 @@ std::vector<MorphTarget> readMorphTargets(Conversion& to, const tinygltf::Primit
     std::vector<MorphTarget> all(wanted.size());
     for (size_t k = 0; k < primitive.targets.size(); ++k)
         for (const auto& [name, accessor] : primitive.targets[k]) {
-            const std::string at = fmt::format("{}/targets/{}/{}", place, k, name);
-            const bool known = name == "POSITION" || name == "NORMAL" || name == "TANGENT";
+            const bool known = name == "POSITION" || name == "NORMAL" || name == "TANGENT" || name == "COLOR_0" || uvSetOf(name);
             if (!known) {
                 if (!name.starts_with("_")) file.warn(fmt::format("has morph targets that change {}, which is not applied.", shown(name)));
                 continue;
             }
-            const Accessor& a = file.accessors[size_t(accessor)];
-            if (a.type != "VEC3") file.fail(at, fmt::format("has type {}, must be VEC3. Export the file again.", a.type));
-            if (a.count != vertices)
-                file.fail(at, fmt::format("has {} elements, POSITION has {}. Export the file again.", a.count, vertices));
-            const auto used = std::find(wanted.begin(), wanted.end(), k);
-            if (used == wanted.end() || (name == "NORMAL" && read.desc.normals.empty()) || (name == "TANGENT" && read.tangentSpace))
-                continue;
-            MorphTarget& target = all[size_t(used - wanted.begin())];
-            (name == "POSITION" ? target.positions
-             : name == "NORMAL" ? target.normals
-                                : target.tangents) = deltas(file, size_t(accessor), read, at);
+            const TargetAttribute a{name, fmt::format("{}/targets/{}/{}", place, k, name), size_t(accessor)};
+            check(file, a, vertices);
+            if (const auto used = std::find(wanted.begin(), wanted.end(), k); used != wanted.end())
+                readInto(all[size_t(used - wanted.begin())], file, a, read);
         }
     return all;
 }

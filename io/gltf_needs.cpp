@@ -37,6 +37,8 @@ VertexNeeds needsOf(const GltfFile& file, int material) {
     const json& from = list(file, "materials")[size_t(material)];
     collect(from, needs);
     const json* extensions = find(&from, "extensions");
+    const json* volume = find(extensions, "KHR_materials_volume");
+    needs.solid = volume && volume->value("thicknessFactor", 0.0) > 0;
     const json* anisotropy = find(extensions, "KHR_materials_anisotropy");
     for (const json* info : {find(&from, "normalTexture"), find(find(extensions, "KHR_materials_clearcoat"), "clearcoatNormalTexture"),
                              find(anisotropy, "anisotropyTexture")})

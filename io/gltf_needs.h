@@ -11,6 +11,7 @@ namespace chiaro::gltf {
 struct VertexNeeds {
     std::array<bool, uvSets> uv{}; // sets that some texture reads
     std::optional<int> frame;      // tangents, along this UV set: of a normal map, of a coat's normal map, of anisotropy
+    bool solid = false;            // faces that agree on what is outside
 };
 // material: -1: none.
 VertexNeeds needsOf(const GltfFile&, int material);

@@ -1,5 +1,6 @@
 #include "io/gltf_primitive.h"
 #include "io/gltf_needs.h"
+#include "io/gltf_winding.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -269,6 +270,15 @@ void warnUnknownAttributes(const Source& source) {
             source.warn(fmt::format("has vertex attribute {}, which is not applied.", shown(name)));
 }
 
+// Of a solid all faces must look outwards.
+void warnTurnedFaces(const Source& source, const PrimitiveDesc& p) {
+    const size_t turned = turnedEdges(p);
+    if (turned == 0) return;
+    source.warn(fmt::format("{} is a solid (KHR_materials_volume) whose faces do not agree on what is outside, at {} {}: light that enters "
+                            "by a turned face is refracted as if it left. Recalculate the outside of the mesh and export it again.",
+                            source.place, turned, turned == 1 ? "edge" : "edges"));
+}
+
 } // namespace
 
 ReadPrimitive readPrimitive(const GltfFile& file, const tinygltf::Primitive& primitive, const std::string& place) {
@@ -285,6 +295,7 @@ ReadPrimitive readPrimitive(const GltfFile& file, const tinygltf::Primitive& pri
         if (set < alwaysKept || needs.uv[size_t(set)]) p.uv[set] = texCoords(source, set);
     p.colors = colors(source);
     warnUnknownAttributes(source);
+    if (needs.solid) warnTurnedFaces(source, p);
     if (p.indices.empty())
         source.warn(fmt::format("{} has no triangle.", place));
     else

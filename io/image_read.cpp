@@ -1,4 +1,5 @@
 #include "io/image_read.h"
+#include "core/math/half.h"
 #include "io/exr_header.h"
 #include "io/file_bytes.h"
 #include "io/webp_read.h"
@@ -169,9 +170,17 @@ struct Opened {
     }
     PixelType type() const {
         const int base = spec.channelformats.empty() ? int(spec.format.basetype) : int(OIIO::TypeDesc::FLOAT);
-        return base == OIIO::TypeDesc::UINT8 ? PixelType::u8 : base == OIIO::TypeDesc::UINT16 ? PixelType::u16 : PixelType::f32;
+        return base == OIIO::TypeDesc::UINT8    ? PixelType::u8
+               : base == OIIO::TypeDesc::UINT16 ? PixelType::u16
+               : base == OIIO::TypeDesc::HALF   ? PixelType::f16
+                                                : PixelType::f32;
     }
-    size_t numberSize() const { return type() == PixelType::u8 ? 1 : type() == PixelType::u16 ? 2 : 4; }
+    OIIO::TypeDesc readAs() const {
+        constexpr OIIO::TypeDesc::BASETYPE as[] = {OIIO::TypeDesc::UINT8, OIIO::TypeDesc::UINT16, OIIO::TypeDesc::FLOAT,
+                                                   OIIO::TypeDesc::HALF}; // in the order of PixelType
+        return as[size_t(type())];
+    }
+    size_t numberSize() const { return readAs().size(); }
 };
 
 } // namespace
@@ -209,9 +218,8 @@ ImageDesc decode(std::span<const std::byte> bytes, const std::string& name) {
     image.height = spec.full_height;
     image.type = from.type();
     const size_t size = from.numberSize();
-    const OIIO::TypeDesc as = size == 1 ? OIIO::TypeDesc::UINT8 : size == 2 ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::FLOAT;
     std::vector<std::byte> pixels(size_t(spec.width) * size_t(spec.height) * size_t(spec.nchannels) * size);
-    if (!from.input->read_image(0, 0, 0, spec.nchannels, as, pixels.data())) undecodable(name, from.input->geterror());
+    if (!from.input->read_image(0, 0, 0, spec.nchannels, from.readAs(), pixels.data())) undecodable(name, from.input->geterror());
     const std::vector<int> wanted = channelsWanted(spec);
     image.channels = int(wanted.size());
     bool whole = image.channels == spec.nchannels && spec.x == spec.full_x && spec.y == spec.full_y && spec.width == spec.full_width &&
@@ -245,10 +253,10 @@ EnvironmentDesc readEnvironment(const std::filesystem::path& file, Diagnostics& 
     out.image.pixels.resize(texels * 3 * sizeof(float));
     const auto value = [&](size_t i) {
         if (from.type == PixelType::u8) return srgbToLinear(float(std::to_integer<uint8_t>(from.pixels[i])) / 255);
-        if (from.type == PixelType::u16) {
+        if (from.type != PixelType::f32) {
             uint16_t v;
             std::memcpy(&v, &from.pixels[2 * i], 2);
-            return srgbToLinear(float(v) / 65535);
+            return from.type == PixelType::f16 ? halfToFloat(v) : srgbToLinear(float(v) / 65535);
         }
         float v;
         std::memcpy(&v, &from.pixels[4 * i], 4);

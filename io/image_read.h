@@ -1,6 +1,6 @@
 // Reads pictures through OpenImageIO, as they are stored: no colour conversion (who reads a texture knows what it means), alpha not
-// premultiplied, 8 and 16 bits an integer channel kept, half and wider depths as f32. At most four channels; CMYK and more come as RGB.
-// Throws Error(Exit::file) that names the picture.
+// premultiplied, 8 and 16 bits an integer channel and half kept, wider and mixed depths as f32. At most four channels; CMYK and more come
+// as RGB. Throws Error(Exit::file) that names the picture.
 #pragma once
 #include "core/render/error.h"
 #include "core/scene/desc.h"

@@ -174,8 +174,11 @@ std::vector<std::byte> pngBytes(uint32_t width, uint32_t height, int channels, P
     OIIO::ImageSpec spec(int(width), int(height), channels, stored);
     spec.attribute("oiio:UnassociatedAlpha", 1); // colours are not multiplied by alpha
     setAttributes(spec, {});
-    const std::vector<unsigned char> bytes =
-        encoded(name, "png", spec, type == PixelType::f32 ? OIIO::TypeDesc(OIIO::TypeDesc::FLOAT) : stored, pixels);
+    const std::vector<unsigned char> bytes = encoded(name, "png", spec,
+                                                     type == PixelType::f32   ? OIIO::TypeDesc(OIIO::TypeDesc::FLOAT)
+                                                     : type == PixelType::f16 ? OIIO::TypeDesc(OIIO::TypeDesc::HALF)
+                                                                              : stored,
+                                                     pixels);
     const auto* begin = reinterpret_cast<const std::byte*>(bytes.data());
     return {begin, begin + bytes.size()};
 }

@@ -20,7 +20,8 @@ if [ "$what" = mutations ]; then
     sh tools/setup.sh
     cmake --preset asan >/dev/null
     cmake --build --preset asan --target chiaro_tests_mutations
-    exec env CHIARO_LONG=1 build/asan/tests/chiaro_tests_mutations
+    # 2 GB is what a small file may take at the very most; a copy that hangs is named after ten minutes.
+    exec env CHIARO_LONG=1 ASAN_OPTIONS=hard_rss_limit_mb=2048 build/asan/tests/chiaro_tests_mutations
 fi
 
 sh tools/setup.sh fuzz

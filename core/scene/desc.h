@@ -11,7 +11,7 @@
 
 namespace chiaro {
 
-enum class PixelType : uint8_t { u8, u16, f32 };
+enum class PixelType : uint8_t { u8, u16, f32, f16 }; // f16: IEEE 754 binary16
 // Pixels, row 0 at the top, channels interleaved (1 grey, 2 grey+alpha, 3 RGB, 4 RGBA), in the depth of the source.
 struct ImageDesc {
     std::string name;

@@ -128,10 +128,12 @@ void LightsBuilder::addPunctual(const PunctualDesc& d, const Vec3d& centre, floa
     if (d.kind == PunctualKind::point) l.power = 4 * double(pi) * y;
     if (d.kind == PunctualKind::directional) l.power = double(pi) * sceneRadius * sceneRadius * y;
     if (d.kind == PunctualKind::spot) {
-        // KHR_lights_punctual: clamp(cos * scale + offset)^2; the flux of the squared ramp is a third of its solid angle.
-        l.scale = float(1 / std::max(0.001, inner - outer));
-        l.offset = float(-outer * double(l.scale));
-        l.power = 2 * double(pi) * (1 - inner + (inner - outer) / 3) * y;
+        // KHR_lights_punctual: clamp(cos * scale + offset)^2; the flux of the squared ramp is a third of its solid angle. The narrowest
+        // ramp is what floats can tell; the 0.001 of the extension's sample code would dim every cone of less than 2.5 degrees.
+        const double ramp = std::max(1e-5, inner - outer), top = std::min(1.0, (1 - outer) / ramp);
+        l.scale = float(1 / ramp);
+        l.offset = float(-outer / ramp);
+        l.power = 2 * double(pi) * (std::max(0.0, 1 - outer - ramp) + ramp * top * top * top / 3) * y;
     }
     lights_.punctual_.push_back(l);
 }

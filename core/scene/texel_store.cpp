@@ -1,4 +1,5 @@
 #include "core/scene/texel_store.h"
+#include "core/math/half.h"
 #include "core/render/function_ref.h"
 #include "core/scene/texel_math.h"
 #include "core/scene/texture.h"
@@ -89,12 +90,23 @@ const float* decoding16(Transfer t) noexcept {
     static const std::vector<float> linear = decodeTable<uint16_t>(false), srgb = decodeTable<uint16_t>(true);
     return (t == Transfer::srgb ? srgb : linear).data();
 }
+const float* decodingHalf() noexcept {
+    static const std::vector<float> table = [] {
+        std::vector<float> all(65536);
+        for (std::size_t i = 0; i < all.size(); ++i) all[i] = halfToFloat(uint16_t(i));
+        return all;
+    }();
+    return table.data();
+}
 
 TexelStore::TexelStore(const ImageDesc& image, Pyramids wanted) : type_(image.type), channels_(image.channels) {
-    channelBytes_ = type_ == PixelType::u8 ? 1 : type_ == PixelType::u16 ? 2 : 4;
+    channelBytes_ = type_ == PixelType::u8 ? 1 : type_ == PixelType::f32 ? 4 : 2;
     texelBytes_ = channelBytes_ * (channels_ == 3 ? 4 : uint32_t(channels_));
     for (const Transfer t : {Transfer::linear, Transfer::srgb})
-        decoded_[std::size_t(t)] = type_ == PixelType::u8 ? decoding8(t) : type_ == PixelType::u16 ? decoding16(t) : nullptr;
+        decoded_[std::size_t(t)] = type_ == PixelType::u8    ? decoding8(t)
+                                   : type_ == PixelType::u16 ? decoding16(t)
+                                   : type_ == PixelType::f16 ? decodingHalf()
+                                                             : nullptr;
     const auto width = uint32_t(image.width), height = uint32_t(image.height);
     // As square as 64 bytes allow, but no wider or higher than the picture.
     const uint32_t all = uint32_t(std::countr_zero(64 / texelBytes_));
@@ -106,7 +118,7 @@ TexelStore::TexelStore(const ImageDesc& image, Pyramids wanted) : type_(image.ty
     add(Transfer::linear, texels, width, height);
     levels_[std::size_t(Transfer::srgb)] = levels_[std::size_t(Transfer::linear)];
     // Floating-point pictures are linear by nature: one pyramid serves both.
-    const bool one = type_ == PixelType::f32, any = wanted.linear || wanted.srgb;
+    const bool one = type_ == PixelType::f32 || type_ == PixelType::f16, any = wanted.linear || wanted.srgb;
     for (const Transfer t : {Transfer::linear, Transfer::srgb}) {
         if (one ? !any || t == Transfer::srgb : !(t == Transfer::srgb ? wanted.srgb : wanted.linear)) continue;
         for (uint32_t w = width, h = height; (w > 1 || h > 1) && levels_[std::size_t(t)].size() < mostLevels;) {
@@ -173,6 +185,9 @@ void TexelStore::reduce(Transfer transfer) {
                     } else if (type_ == PixelType::u16) {
                         const auto code = uint16_t(clamp01(srgb ? linearToSrgb(v[c]) : v[c]) * 65535 + 0.5f);
                         std::memcpy(texel + 2 * c, &code, 2);
+                    } else if (type_ == PixelType::f16) {
+                        const uint16_t code = floatToHalf(v[c]);
+                        std::memcpy(texel + 2 * c, &code, 2);
                     } else {
                         std::memcpy(texel + 4 * c, &v[c], 4);
                     }
@@ -190,12 +205,12 @@ Vec4 TexelStore::texel(const MipLevel& level, uint32_t x, uint32_t y, Transfer t
         const auto* p = reinterpret_cast<const uint8_t*>(from);
         for (int i = 0; i < n; ++i) c[i] = table[p[i]];
         if (n == 2 || n == 4) c[n - 1] = float(p[n - 1]) / 255;
-    } else if (type_ == PixelType::u16) {
+    } else if (type_ != PixelType::f32) {
         const float* const table = decoded_[std::size_t(transfer)];
         uint16_t p[4];
         std::memcpy(p, from, std::size_t(n) * sizeof p[0]);
         for (int i = 0; i < n; ++i) c[i] = table[p[i]];
-        if (n == 2 || n == 4) c[n - 1] = float(p[n - 1]) / 65535;
+        if (type_ == PixelType::u16 && (n == 2 || n == 4)) c[n - 1] = float(p[n - 1]) / 65535;
     } else {
         std::memcpy(c, from, std::size_t(n) * sizeof c[0]); // floating-point pictures are linear by nature
     }

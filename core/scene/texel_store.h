@@ -63,5 +63,6 @@ private:
 // Tables of decoded values by code.
 const float* decoding8(Transfer) noexcept;
 const float* decoding16(Transfer) noexcept;
+const float* decodingHalf() noexcept; // linear by nature
 
 } // namespace chiaro

@@ -56,6 +56,7 @@ void WideTextures::addTexture(const Scene& scene, uint32_t material) {
     t.data = store.data();
     if (transfer == Transfer::srgb && store.type() == PixelType::u8) t.decoded = decoding8(transfer);
     if (transfer == Transfer::srgb && store.type() == PixelType::u16) t.decoded = decoding16(transfer);
+    if (store.type() == PixelType::f16) t.decoded = decodingHalf();
     std::memcpy(t.transform, slot.transform, sizeof t.transform);
     t.tileX = store.tileX(), t.tileY = store.tileY(), t.texelBytes = store.texelBytes();
     t.channels = store.channels();

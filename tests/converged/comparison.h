@@ -81,13 +81,15 @@ std::vector<Entrant> entrants(); // all of the registry that transport light
 struct Row {
     struct Exception {
         std::string_view integrator;
-        double resolution; // its own: it has more noise on these paths, or covers few of them
+        double resolution;        // its own: it has more noise on these paths, or covers few of them
+        std::string without = {}; // left out beside the row's, where no number of samples that a test may take has met them all
     };
     std::string_view scene;
     std::string without;
     double resolution = 0.01; // relative bias of the mean that must be visible with a power of 99 %
     std::vector<Exception> exceptions = {};
     Design design = {};
+    const Exception* exceptionOf(const Entrant&) const; // null: none
     double resolutionOf(const Entrant&) const;
     // An entrant's paths on this row; empty where none is left.
     std::optional<Paths> paths(const Entrant&) const;

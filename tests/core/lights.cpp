@@ -223,6 +223,17 @@ TEST_SUITE("lights") {
         CHECK(compiled(std::move(d))->lights().power() == doctest::Approx(.7426103318).epsilon(1e-6));
         l.innerCone = l.outerCone; // a hard edge
         CHECK(sent(l, {std::sin(39 * degree), 0, 1 - std::cos(39 * degree)})->radiance[0] == doctest::Approx(1).epsilon(1e-4));
+        l.innerCone = 0.8 * degree; // a slit's beam
+        l.outerCone = 1 * degree;
+        for (const auto& [angle, expected] : {std::pair{0., 1.}, {0.5, 1.}, {0.79, 1.}, {0.9, .2785}, {1.01, 0.}}) {
+            const auto s = sent(l, {std::sin(angle * degree), 0, 1 - std::cos(angle * degree)});
+            CHECK(std::fabs(double(s ? s->radiance[0] : 0) - expected) < 0.01);
+        }
+        SceneDesc slit;
+        slit.lights.push_back(l);
+        const double inner = std::cos(l.innerCone), outer = std::cos(l.outerCone);
+        CHECK(compiled(std::move(slit))->lights().power() ==
+              doctest::Approx(2 * std::numbers::pi * (1 - inner + (inner - outer) / 3)).epsilon(1e-5));
     }
 
     TEST_CASE("B8: range") {

@@ -35,6 +35,12 @@ template <class T> std::vector<std::byte> noise(std::size_t count) {
     }
     return bytes;
 }
+// Codes of finite halves out of any.
+std::vector<std::byte> halves(std::vector<std::byte> codes) {
+    for (std::size_t i = 1; i < codes.size(); i += 2)
+        if ((codes[i] & std::byte(0x7c)) == std::byte(0x7c)) codes[i] ^= std::byte(0x40);
+    return codes;
+}
 
 } // namespace
 
@@ -122,7 +128,7 @@ TEST_SUITE("wide-lookup") {
     }
 
     TEST_CASE("textures: every pixel type, channels, wrap mode, filter and footprint") {
-        for (const PixelType type : {PixelType::u8, PixelType::u16, PixelType::f32})
+        for (const PixelType type : {PixelType::u8, PixelType::u16, PixelType::f16, PixelType::f32})
             for (int channels = 1; channels <= 4; ++channels)
                 for (const auto& [width, height] : {std::pair{32, 32}, {13, 50}, {1, 9}})
                     for (const Wrap mode : {Wrap::repeat, Wrap::mirror, Wrap::clamp})
@@ -133,6 +139,7 @@ TEST_SUITE("wide-lookup") {
                             image.width = width, image.height = height, image.channels = channels, image.type = type;
                             image.pixels = type == PixelType::u8    ? noise<uint8_t>(count)
                                            : type == PixelType::u16 ? noise<uint16_t>(count)
+                                           : type == PixelType::f16 ? halves(noise<uint16_t>(count))
                                                                     : noise<float>(count);
                             d.images.push_back(std::move(image));
                             d.textures.push_back({0, mode, mode, filter});

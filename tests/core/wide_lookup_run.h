@@ -1,5 +1,6 @@
 // The body of the functions of wide_lookup.h. For files compiled for one instruction set (core/math/wide_lanes.h).
 #pragma once
+#include "core/scene/wide_light_tree.h"
 #include "core/scene/wide_sky.h"
 #include "core/scene/wide_texture_lookup.h"
 #include "tests/core/wide_lookup.h"
@@ -14,6 +15,11 @@ inline void runSky(const Sky& sky, test::LookupLanes& l) {
     const WideSkySample s = skySample(tables, mulHigh(Int(l.pick), Int(sky.count())), {Float(l.ux), Float(l.uy)});
     s.wi.x.store(l.sampleX), s.wi.y.store(l.sampleY), s.wi.z.store(l.sampleZ), s.pdfW.store(l.samplePdf);
     s.radiance.c[0].store(l.sampleR), s.radiance.c[1].store(l.sampleG), s.radiance.c[2].store(l.sampleB);
+}
+inline void runTree(const LightTreeView& tree, uint32_t lanes, test::TreeLanes& l) {
+    const WideTreePick pick = chooseInTree(tree, {Float(l.px), Float(l.py), Float(l.pz)}, {Float(l.nx), Float(l.ny), Float(l.nz)},
+                                           Mask(lanes), toDouble(Int(l.pick)) * 0x1p-32);
+    pick.light.store(l.light), pick.pmf.store(l.pmf);
 }
 inline void runTexture(const WideTexture& t, bool footprint, uint32_t lanes, test::LookupLanes& l) {
     const Float zero(0.f), one(1.f);

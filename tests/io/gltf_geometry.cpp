@@ -1,6 +1,7 @@
 // Accessors and primitives: every component type, strides, sparse parts, quantization, strips and fans, missing attributes.
 #include "tests/io/gltf_builder.h"
 #include <doctest/doctest.h>
+#include <set>
 
 using namespace chiaro;
 using namespace chiaro::test;
@@ -293,13 +294,48 @@ TEST_SUITE("gltf_geometry") {
         const int position = b.accessor<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}, 3, "VEC3");
         for (int i = 0; i < 3; ++i)
             b.node({{"mesh", b.mesh({{"POSITION", position}, {"COLOR_1", position}, {"_MINE", position}},
-                                    {{"targets", {{{"POSITION", position}, {"COLOR_0", position}}}}})},
+                                    {{"targets", {{{"POSITION", position}, {"COLOR_1", position}}}}})},
                     {"weights", {1}},
                     {"extensions", {{"VENDOR_thing", json::object()}}}});
         Diagnostics notes;
         b.read(folder, notes);
         CHECK(notes.warnings().size() == 3);
-        for (const char* part : {"VENDOR_thing", "morph targets that change \"COLOR_0\"", "COLOR_1"}) CHECK(warns(notes, part));
+        for (const char* part : {"VENDOR_thing", "morph targets that change \"COLOR_1\"", "COLOR_1"}) CHECK(warns(notes, part));
+    }
+
+    TEST_CASE("a solid whose faces do not agree on what is outside is named; what is open or no solid is not") {
+        const Folder folder("winding");
+        // A wedge: two triangles and three squares, each face with vertices of its own.
+        const float c[6][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
+        const std::vector<std::vector<uint32_t>> faces = {{0, 2, 1}, {3, 4, 5}, {0, 1, 4, 3}, {1, 2, 5, 4}, {2, 0, 3, 5}};
+        const auto said = [&](std::set<size_t> turned, size_t first = 0, double thickness = 1) {
+            std::vector<float> positions;
+            std::vector<uint16_t> indices;
+            for (size_t f = first; f < faces.size(); ++f) {
+                const auto base = uint16_t(positions.size() / 3);
+                for (const uint32_t v : faces[f]) positions.insert(positions.end(), c[v], c[v] + 3);
+                for (uint16_t k = 2; k < faces[f].size(); ++k) {
+                    const auto a = uint16_t(base + k - 1), b = uint16_t(base + k);
+                    indices.insert(indices.end(), {base, turned.contains(f) ? b : a, turned.contains(f) ? a : b});
+                }
+            }
+            Builder b;
+            b.root["materials"] = {{{"extensions",
+                                     {{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+                                      {"KHR_materials_volume", {{"thicknessFactor", thickness}}}}}}};
+            b.node({{"mesh", b.mesh({{"POSITION", b.accessor<float>(positions, 3, "VEC3")}},
+                                    {{"indices", b.accessor<uint16_t>(indices, 1, "SCALAR")}, {"material", 0}})}});
+            Diagnostics notes;
+            b.read(folder, notes);
+            return notes.warnings().empty() ? std::string() : notes.warnings()[0];
+        };
+        CHECK(said({}) == "");
+        CHECK(said({}, 1) == "");
+        CHECK(said({0, 1, 2, 3, 4}) == ""); // a cavity looks like that
+        CHECK(said({1}, 0, 0) == "");
+        CHECK(said({1}).find("/meshes/0/primitives/0 is a solid (KHR_materials_volume) whose faces do not agree on what is outside, at 3 "
+                             "edges") != std::string::npos);
+        CHECK(said({2, 3, 4}).find("at 6 edges") != std::string::npos);
     }
 
     TEST_CASE("container: .glb, data: URI, external file with spaces, %20 and Unicode") {

@@ -6,6 +6,19 @@
 using namespace chiaro;
 using namespace chiaro::test;
 
+namespace {
+
+void checkUv(const PrimitiveDesc& p, const std::vector<Point2>& expected) {
+    REQUIRE(p.uv[0].size() == expected.size());
+    for (size_t i = 0; i < expected.size(); ++i) {
+        CAPTURE(i);
+        CHECK(p.uv[0][i].x == expected[i].x);
+        CHECK(p.uv[0][i].y == expected[i].y);
+    }
+}
+
+} // namespace
+
 TEST_SUITE("gltf_morph") {
     TEST_CASE("weights of the mesh, of the node, of an animation at three times; none: the mesh itself, shared") {
         const Folder folder("weights");
@@ -96,6 +109,37 @@ TEST_SUITE("gltf_morph") {
         for (const Vec4& t : shown(s).tangents) checkNear({double(t.x), double(t.y), double(t.z)}, {0, 0, 1});
     }
 
+    TEST_CASE("texture coordinates and colours change along; a colour stays one") {
+        const Folder folder("looks");
+        Deforming b;
+        b.attributes["TEXCOORD_0"] = b.accessor<float>({0, 0, 1, 0, 1, 1, 0, 1}, 2, "VEC2");
+        b.attributes["COLOR_0"] = b.accessor<uint8_t>({51, 102, 153, 255, 0, 0, 0, 255, 255, 255, 255, 255, 0, 0, 0, 255}, 4, "VEC4", true);
+        b.target({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
+        json& target = b.more["targets"][0];
+        target["TEXCOORD_0"] = b.accessor<int8_t>({127, 0, 0, 0, 0, -127, 0, 0}, 2, "VEC2", true, 4);
+        target["TEXCOORD_1"] = b.accessor<float>(Numbers(8, 9), 2, "VEC2"); // the mesh has none
+        target["COLOR_0"] = b.accessor<float>({.2f, .2f, .2f, -.5f, .2f, .4f, .6f, 1, 4, -4, 0, 0, 0, 0, 0, 0}, 4, "VEC4");
+        const int rests = b.node({{"mesh", b.square()}, {"weights", {0.5}}}), moves = b.node({{"mesh", 0}});
+        const PrimitiveDesc p = shown(b.at(folder, 0), size_t(rests));
+        checkUv(p, {{0.5f, 0}, {1, 0}, {1, 0.5f}, {0, 1}});
+        CHECK(p.uv[1].empty());
+        const float expected[][4] = {{.3f, .5f, .7f, .75f}, {.1f, .2f, .3f, 1}, {1, 0, 1, 1}, {0, 0, 0, 1}};
+        REQUIRE(p.colors.size() == 4);
+        for (size_t i = 0; i < 4; ++i) {
+            CHECK(p.colors[i].x == doctest::Approx(expected[i][0]));
+            CHECK(p.colors[i].y == doctest::Approx(expected[i][1]));
+            CHECK(p.colors[i].z == doctest::Approx(expected[i][2]));
+            CHECK(p.colors[i].w == doctest::Approx(expected[i][3]));
+        }
+        b.animate(moves, "weights", {0, 2}, {0, 1});
+        Diagnostics notes;
+        const SceneDesc s = b.read(folder, notes, {.shutter = {0, 2}});
+        CHECK(warns(notes, "changes texture coordinates or colours while the shutter is open"));
+        checkUv(shown(s, size_t(moves)), {{0.5f, 0}, {1, 0}, {1, 0.5f}, {0, 1}});
+        const SceneDesc late = b.at(folder, 2);
+        checkUv(shown(late, size_t(moves)), {{1, 0}, {1, 0}, {1, 0}, {0, 1}});
+    }
+
     TEST_CASE("over the shutter: two shapes where weights go linearly, more where they do not") {
         const Folder folder("blur");
         Deforming b;
@@ -147,6 +191,12 @@ TEST_SUITE("gltf_morph") {
         });
         fails("targets/0/POSITION has type VEC2", [](Deforming& b) {
             b.root["meshes"][0]["primitives"][0]["targets"][0]["POSITION"] = b.accessor<float>(Numbers(8), 2, "VEC2");
+        });
+        fails("targets/0/TEXCOORD_0 has type VEC3, must be VEC2", [](Deforming& b) {
+            b.root["meshes"][0]["primitives"][0]["targets"][0]["TEXCOORD_0"] = b.accessor<float>(Numbers(12), 3, "VEC3");
+        });
+        fails("targets/0/COLOR_0 has 3 elements, POSITION has 4", [](Deforming& b) {
+            b.root["meshes"][0]["primitives"][0]["targets"][0]["COLOR_0"] = b.accessor<float>(Numbers(9), 3, "VEC3");
         });
         fails("targets/0/POSITION element 2 is not finite", [](Deforming& b) {
             Numbers n(12);

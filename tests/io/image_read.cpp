@@ -43,12 +43,18 @@ TEST_SUITE("image_read") {
         CHECK(b.channels == 1);
         CHECK(values<uint16_t>(b) == std::vector<uint16_t>{1000, 65535});
         const ImageDesc c = decode(picture("exr", 1, 1, 3, OIIO::TypeDesc::HALF, {0.25f, -2, 1000}));
-        CHECK(c.type == PixelType::f32);
-        CHECK(values<float>(c) == std::vector<float>{0.25f, -2, 1000});
+        CHECK(c.type == PixelType::f16);
+        CHECK(values<uint16_t>(c) == std::vector<uint16_t>{0x3400, 0xc000, 0x63d0});
         const ImageDesc d = decode(picture("exr", 1, 1, 3, OIIO::TypeDesc::FLOAT, {0.1f, 1e-20f, 1e20f}));
         CHECK(values<float>(d) == std::vector<float>{0.1f, 1e-20f, 1e20f});
         const ImageDesc e = decode(picture("tif", 1, 1, 3, OIIO::TypeDesc::FLOAT, {0.1f, 2, 3}));
         CHECK(values<float>(e) == std::vector<float>{0.1f, 2, 3});
+        const std::string half = picture("exr", 5, 4, 3, OIIO::TypeDesc::HALF), whole = picture("exr", 5, 4, 3, OIIO::TypeDesc::FLOAT);
+        const auto bytes = [](const std::string& s) {
+            return pictureSize({reinterpret_cast<const std::byte*>(s.data()), s.size()}, "").bytes;
+        };
+        CHECK(bytes(half) == 120);
+        CHECK(bytes(whole) == 240);
     }
 
     TEST_CASE("alpha is not multiplied into the colour") {
@@ -118,13 +124,15 @@ TEST_SUITE("image_read") {
         CHECK(exr.image.type == PixelType::f32);
         CHECK(values<float>(exr.image) == std::vector<float>{1, 2, 3, 0, 5, 6, 0, 8, 9, 0, 11, 12});
         CHECK(warns(notes, "3 texels are negative or not finite"));
+        const EnvironmentDesc half = readEnvironment(folder.write("h.exr", picture("exr", 4, 1, 3, OIIO::TypeDesc::HALF, raw)), notes);
+        CHECK(values<float>(half.image) == values<float>(exr.image));
         const EnvironmentDesc ldr =
             readEnvironment(folder.write("b.png", picture("png", 1, 1, 1, OIIO::TypeDesc::UINT8, {188 / 255.f})), notes);
         const auto v = values<float>(ldr.image);
         REQUIRE(v.size() == 3);
         CHECK(v[0] == doctest::Approx(0.5029).epsilon(0.001));
         CHECK(v[2] == v[0]);
-        CHECK(notes.warnings().size() == 1);
+        CHECK(notes.warnings().size() == 2);
         CHECK(exr.scale == 1);
     }
 }

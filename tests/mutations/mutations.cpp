@@ -1,17 +1,21 @@
-// Damaged scenes through all that a render does: reading, compiling, an 8 x 8 picture. Each is a picture, or one error line that names its
-// file; none crashes, hangs, or takes more than 2 GB. CHIARO_LONG=1: a thousand, of the scenes that the project makes and of those in
-// ../shared/scenes; else a few dozen. Built with AddressSanitizer it is the test that hostile files do no harm (tools/fuzz.sh).
+// Damaged scenes through all that a render does: reading, compiling, an 8 x 8 picture by paths, in lanes or one by one. Each is a picture,
+// or one error line that names its file; none crashes, hangs, or takes more than 2 GB. CHIARO_LONG=1: a thousand, of the scenes that the
+// project makes and of those in ../shared/scenes; else a few dozen. Built with AddressSanitizer it is the test that hostile files do no
+// harm (tools/fuzz.sh).
 #include "tests/io/gltf_builder.h"
 #include "tests/mutations/mutate.h"
 #include "tests/mutations/seeds.h"
 #include "tests/scene_kit.h"
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <doctest/doctest.h>
 #include <iostream>
 #include <sys/resource.h>
+#include <unistd.h>
 
 using namespace chiaro;
 using namespace chiaro::test;
@@ -24,7 +28,7 @@ std::string contentOf(const fs::path& file) {
 }
 
 // A picture, or the message of an Error.
-std::string outcome(const fs::path& file, const GltfOptions& options, Diagnostics& notes) {
+std::string outcome(const fs::path& file, const GltfOptions& options, Diagnostics& notes, const std::string& integrator = "path") {
     try {
         SceneDesc desc = readGltf(file, options, notes);
         if (desc.lights.empty()) desc.environment = uniformSky(1);
@@ -34,10 +38,29 @@ std::string outcome(const fs::path& file, const GltfOptions& options, Diagnostic
         s.width = s.height = 8;
         s.spp = 1;
         s.maxDepth = 8;
-        (void)rendered(*scene, camera, s);
+        (void)rendered(*scene, camera, s, integrator);
         return {};
     } catch (const Error& e) { return std::string("error: ") + e.what(); }
 }
+
+// Ten minutes after its making the process ends with the name of the copy that it hangs in.
+class Watch {
+public:
+    explicit Watch(const std::string& copy) {
+        std::snprintf(said, sizeof said, "%s hangs\n", copy.c_str());
+        std::signal(SIGALRM, [](int) {
+            [[maybe_unused]] const auto written = write(STDERR_FILENO, said, strlen(said));
+            _exit(1);
+        });
+        alarm(600);
+    }
+    ~Watch() { alarm(0); }
+    Watch(const Watch&) = delete;
+    Watch& operator=(const Watch&) = delete;
+
+private:
+    static inline char said[256];
+};
 
 struct Tally {
     int pictures = 0, errors = 0;
@@ -56,9 +79,11 @@ void tryCopy(const Folder& folder, const Original& from, uint64_t seed, Tally& t
     const fs::path file = folder.path / ("mutated-" + std::to_string(seed) + "-" + name);
     std::ofstream(file, std::ios::binary) << mutated(from.bytes, seed);
     if (std::getenv("CHIARO_TRACE")) std::cerr << "seed " << seed << " of " << origin << '\n';
+    const Watch watch(origin + ", seed " + std::to_string(seed));
     const auto begin = std::chrono::steady_clock::now();
     Diagnostics notes;
-    const std::string said = outcome(file, {seed % 2 ? MissingTexture::grey : MissingTexture::error, 0, {0, seed % 3 ? 0 : 0.5f}}, notes);
+    const GltfOptions options{seed % 2 ? MissingTexture::grey : MissingTexture::error, 0, {0, seed % 3 ? 0 : 0.5f}};
+    const std::string said = outcome(file, options, notes, seed / 2 % 2 ? "path" : "path:wide=off");
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (seconds > tally.slowest) {
         tally.slowest = seconds;
