@@ -1,4 +1,6 @@
 #include "integrators/radiosity/field.h"
+#include "integrators/radiosity/patch_corners.h"
+#include "integrators/radiosity/patch_share.h"
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -8,23 +10,10 @@ namespace {
 
 constexpr uint32_t mostApart = 64;
 constexpr uint64_t perChunk = 256;
-constexpr int rounds = 3;             // that give back to the patches what interpolating took
-constexpr float leastOpen = 1 / 64.f; // what is less open than that says nothing to its neighbours
-
-// Which patches stand at which point.
-struct Corners {
-    std::vector<uint32_t> begin, patch;
-    explicit Corners(const Patches& patches) : begin(patches.points() + 1) {
-        for (const Patch& p : patches.all())
-            for (uint32_t c = 0; c < p.corners; ++c) ++begin[p.vertex[c] + 1];
-        for (std::size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];
-        patch.resize(begin.back());
-        std::vector<uint32_t> next(begin.begin(), begin.end() - 1);
-        for (uint32_t i = 0; i < patches.size(); ++i)
-            for (uint32_t c = 0; c < patches[i].corners; ++c) patch[next[patches[i].vertex[c]]++] = i;
-    }
-    std::span<const uint32_t> at(uint32_t point) const noexcept { return {patch.data() + begin[point], begin[point + 1] - begin[point]}; }
-};
+constexpr int rounds = 3;           // that give back to the patches what interpolating took
+constexpr int rings = 2;            // about a point that stopped at black, in which patches keep their own
+constexpr float lowestShare = 0.5f; // of the least of the neighbours: how dark a corner may be that was to be darker than black
+constexpr float shared = 2;         // in place of a share: the values of the points are right as they are
 
 // A plane through the value of a patch, by least squares over its neighbours, and the range that it should keep to.
 struct Slope {
@@ -71,6 +60,15 @@ Slope slopeOf(const Patches& patches, const Corners& corners, const std::vector<
     return s;
 }
 
+// The least of a patch and its neighbours.
+Spectrum lowest(const Patches& patches, const Corners& corners, const std::vector<Spectrum>& values, uint32_t i) {
+    Spectrum least = values[i], unused = values[i];
+    for (uint32_t c = 0; c < patches[i].corners; ++c)
+        for (const uint32_t j : corners.at(patches[i].vertex[c]))
+            if (patches[j].open >= leastOpen) widen(least, unused, values[j]);
+    return least;
+}
+
 // The centre of what is open, in coordinates of the patch (of the parallelogram of its first corner).
 Point2 middle(const Patch& p) noexcept {
     if (p.open == 1) return p.corners == 4 ? Point2{0.5f, 0.5f} : Point2{1 / 3.f, 1 / 3.f};
@@ -100,8 +98,9 @@ Field::Field(const Executor& run, const Patches& patches, const Solution& soluti
 }
 
 void Field::interpolate(const Executor& run, const Patches& patches) {
-    const Corners corners(patches);
+    const Corners corners(patches.all(), patches.points());
     atPoints_.assign(constant_.size(), std::vector<Spectrum>(patches.points(), Spectrum(0)));
+    own_.assign(constant_.size(), std::vector<float>(patches.size(), shared));
     std::vector<Vec3> places(patches.points());
     for (const Patch& p : patches.all())
         for (uint32_t c = 0; c < p.corners; ++c) places[p.vertex[c]] = p.corner[c];
@@ -120,6 +119,7 @@ void Field::interpolate(const Executor& run, const Patches& patches) {
     };
     std::vector<Slope> slopes(patches.size());
     std::vector<Spectrum> missing(patches.size());
+    std::vector<uint8_t> stopped(patches.points()), beside; // at 0
     for (std::size_t term = 0; term < constant_.size(); ++term) {
         const std::vector<Spectrum>& values = constant_[term];
         forAll(run, patches.size(), [&](uint32_t i) { slopes[i] = slopeOf(patches, corners, values, i); });
@@ -132,18 +132,51 @@ void Field::interpolate(const Executor& run, const Patches& patches) {
                 return v;
             });
         });
+        std::fill(stopped.begin(), stopped.end(), uint8_t(0));
         for (int round = 0; round < rounds; ++round) {
-            forAll(run, patches.size(), [&](uint32_t i) {
-                const Point2 at = middle(patches[i]);
-                missing[i] = values[i] - between(patches[i], uint32_t(term), at.x, at.y);
-            });
+            forAll(run, patches.size(), [&](uint32_t i) { missing[i] = values[i] - atMiddle(patches[i], uint32_t(term)); });
             forAll(run, patches.points(), [&](uint32_t point) {
                 const Spectrum more = meanAt(point, [&](uint32_t i, const Vec3&) { return missing[i]; });
                 Spectrum& v = atPoints_[term][point];
-                for (std::size_t c = 0; c < 3; ++c) v[c] = max(v[c] + more[c], 0.f);
+                for (std::size_t c = 0; c < 3; ++c) {
+                    if (v[c] + more[c] < 0) stopped[point] = 1;
+                    v[c] = max(v[c] + more[c], 0.f);
+                }
             });
         }
+        // Also those beside them, who gave what nobody takes now.
+        const auto at = [&](const std::vector<uint8_t>& points, const Patch& p) {
+            return std::any_of(p.vertex.begin(), p.vertex.begin() + p.corners, [&](uint32_t v) { return points[v] != 0; });
+        };
+        for (int ring = 0; ring < rings; ++ring) {
+            beside = stopped;
+            for (const Patch& p : patches.all())
+                if (at(beside, p))
+                    for (uint32_t c = 0; c < p.corners; ++c) stopped[p.vertex[c]] = 1;
+        }
+        forAll(run, patches.size(), [&](uint32_t i) {
+            const Patch& p = patches[i];
+            if (!at(stopped, p)) return;
+            own_[term][i] = slopeWithin(p, uint32_t(term), values[i], lowest(patches, corners, values, i) * lowestShare);
+        });
     }
+}
+
+// How much of its slope a patch can keep about its own value, with no corner below `floor`.
+float Field::slopeWithin(const Patch& p, uint32_t term, const Spectrum& value, const Spectrum& floor) const noexcept {
+    const Spectrum middle = atMiddle(p, term);
+    float share = 1;
+    for (uint32_t k = 0; k < p.corners; ++k)
+        for (std::size_t c = 0; c < 3; ++c) {
+            const float down = middle[c] - atPoints_[term][p.vertex[k]][c];
+            if (down > 0) share = min(share, max(value[c] - floor[c], 0.f) / down);
+        }
+    return share;
+}
+
+Spectrum Field::atMiddle(const Patch& p, uint32_t term) const noexcept {
+    const Point2 at = middle(p);
+    return between(p, term, at.x, at.y);
 }
 
 Spectrum Field::between(const Patch& p, uint32_t term, float s, float t) const noexcept {
@@ -154,7 +187,11 @@ Spectrum Field::between(const Patch& p, uint32_t term, float s, float t) const n
 }
 
 Spectrum Field::interpolated(const Patches& patches, uint32_t term, const Patches::Place& at) const noexcept {
-    return between(patches[at.patch], term, at.s, at.t);
+    const Patch& p = patches[at.patch];
+    const Spectrum here = between(p, term, at.s, at.t);
+    const float share = own_[term][at.patch];
+    if (share == shared) return here;
+    return constant_[term][at.patch] + (here - atMiddle(p, term)) * share;
 }
 
 void Field::save(Writer& to) const {

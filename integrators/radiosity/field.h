@@ -2,8 +2,10 @@
 // behind it. Constant over a patch, or interpolated from values at the points that neighbours share: at such a point the mean of what the
 // planes of its patches say there, each fitted to the patch and its neighbours by least squares. So linear light is met exactly, at the
 // edges of walls too, and nothing gets far beyond what the neighbours have. Then the points are moved until the middles of the patches have
-// again what the solution says, so that interpolating neither makes nor takes light. Which terms must be told apart is a question to the
-// path classes: the layers of L D, L D D, L D D D ... as the eye paths ask for them.
+// again what the solution says, so that interpolating neither makes nor takes light. Where a point would have to be darker than black for
+// that (a bright patch beside dark ones: the rim of a sharp shadow), the patches at it leave their neighbours: each keeps its own value in
+// its middle, and of its slope what leaves its corners light (Barth, Jespersen 1989 limit slopes so).
+// Which terms must be told apart is a question to the path classes: the layers of L D, L D D, L D D D ... as the eye paths ask for them.
 #pragma once
 #include "core/render/archive.h"
 #include "core/render/path_classes.h"
@@ -27,7 +29,10 @@ public:
 private:
     void interpolate(const Executor&, const Patches&);
     Spectrum between(const Patch&, uint32_t term, float s, float t) const noexcept;
+    Spectrum atMiddle(const Patch&, uint32_t term) const noexcept;
+    float slopeWithin(const Patch&, uint32_t term, const Spectrum& value, const Spectrum& floor) const noexcept;
     std::vector<std::vector<Spectrum>> constant_, atPoints_; // by term, then by patch or by point
+    std::vector<std::vector<float>> own_;                    // by term and patch: what is left of its slope, where it left its neighbours
 };
 
 // The kind of light that stands for all of a scene.

@@ -4,6 +4,7 @@
 #include "integrators/radiosity/patch_grade.h"
 #include "integrators/radiosity/patch_open.h"
 #include "integrators/radiosity/patch_points.h"
+#include "integrators/radiosity/patch_share.h"
 #include "integrators/radiosity/patch_sides.h"
 #include "integrators/radiosity/patch_surface.h"
 #include "integrators/radiosity/patch_table.h"
@@ -47,6 +48,7 @@ private:
     std::vector<Grade> grades_;           // of facets; empty: all alike
     std::vector<uint32_t> segments_;      // of each strand
     std::optional<PointNumbers> numbers_; // before sides and compaction
+    uint32_t parted_ = 0;                 // points that are on both sides of something
 };
 
 std::array<Vec3, 4> PatchBuilder::corners(const Facet& f) const {
@@ -335,6 +337,7 @@ void PatchBuilder::tell(const Patches& patches, const Patches::Table& table, flo
     if (table.crossings.cut > 0)
         work_.notes.tell(
             "patches", fmt::format("{} cut where another surface runs through them, with light on both of its sides", table.crossings.cut));
+    if (parted_ > 0) work_.notes.tell("patches", fmt::format("{} points have a value for each side of what stands on them", parted_));
     const auto whole = std::count_if(table.facets.begin(), table.facets.end(), [](const Patches::Table::Cells& c) {
         return c.kind != CutKind::bisected && c.segments[0] == 1 && c.segments[1] == 1;
     });
@@ -377,7 +380,6 @@ Patches PatchBuilder::build() {
             patches.longestEdge_ = max(patches.longestEdge_, length(p.corner[(k + 1) % p.corners] - p.corner[k]));
     uint32_t points = 2 * numbers_->count();
     table->crossings = cutCrossed(work_, patches, patches.patches_, points);
-    compactPoints(patches, points);
     const std::vector<Open> open = openParts(work_, patches);
     for (std::size_t i = 0; i < open.size(); ++i) {
         Patch& p = patches.patches_[i];
@@ -385,6 +387,8 @@ Patches PatchBuilder::build() {
         p.area *= open[i].share;
         p.centre = open[i].centre;
     }
+    compactPoints(patches, points);
+    parted_ = partPoints(work_, patches.patches_, patches.points_, patches.time_);
     tell(patches, *table, size);
     return patches;
 }

@@ -18,7 +18,7 @@ struct SolveSettings {
     Limits limits;
     uint32_t steps = 0; // of shooting; 0: until the limits are met
     bool overshoot = false, ambient = false;
-    double linkError = 3e-3;  // hierarchical: of the power of a mean patch
+    double linkError = 5e-3;  // hierarchical: of the power of a mean patch
     double raysPerPatch = 64; // stochastic: of the first bounce
     bool rowSums = false;     // find them even where the solver needs none
 };

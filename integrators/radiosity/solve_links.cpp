@@ -1,218 +1,21 @@
 #include "integrators/radiosity/solve_links.h"
 #include "core/math/sampler.h"
 #include "core/math/warp.h"
+#include "integrators/radiosity/link_finder.h"
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <fmt/format.h>
 #include <numeric>
 
 namespace chiaro::radiosity {
 namespace {
 
-constexpr int points = 4, pairs = points * points; // of a node, and between two
-constexpr double coarser = 30;                     // links of the first estimate of B
-constexpr double little = 0.05;                    // of the mean radiosity
-constexpr double dimmest = 1e-3;                   // of the mean irradiance
-constexpr double brighter = 2;                     // the mean than what is called dim
-constexpr std::size_t seedPairs = 4096;            // that are refined side by side
-constexpr float floorOfRange = 0.05f;              // relative: four points may agree by chance
+constexpr double coarser = 30;  // links of the first estimate of B
+constexpr double little = 0.05; // of the mean radiosity
 
-struct Link {
-    uint32_t to = 0, from = 0;
-    float factor = 0;
-};
-struct Exchange {
-    float factor = 0, range = 0; // F from p to q, and how far it differs between points of p
-};
-
-// Can no point of q lie before a surface of p?
-bool behind(const Hierarchy::Node& p, const Hierarchy::Node& q) noexcept {
-    const Vec3 way = q.centre - p.centre;
-    if (p.flat) { // rounding aside: surfaces may lie close above each other
-        const float sine = length(cross(p.axis, q.axis)), reach = (q.flat ? q.radius * sine + q.depth : q.radius) + p.depth;
-        return dot(p.axis, way) + reach <= 2 * (p.error + q.error);
-    }
-    const float distance = length(way), both = p.radius + q.radius;
-    if (distance <= both) return false;
-    const float angle = std::acos(std::clamp(dot(p.axis, way) / distance, -1.f, 1.f));
-    return angle - std::asin(both / distance) - p.spread > pi / 2;
+// A lamp whose light came by rays, on a surface that reflects none, does not.
+bool sends(const System& system, std::size_t patch) noexcept {
+    return maxComponent(system.reflectance[patch]) > 0 || maxComponent(system.emission[patch]) > 0;
 }
-
-class Linker {
-public:
-    Linker(const Work& work, const FormFactors& factors, const Hierarchy& tree) : work_(work), factors_(factors), tree_(tree) {}
-
-    // All links for radiosities and irradiances of patches like these; empty answer: stopped. What a link may get wrong is a share of what
-    // arrives where it ends, but never more than that of a patch in the mean light: a dim room beside a bright place has an error of its
-    // own.
-    std::vector<Link> link(std::span<const Light> radiosity, std::span<const double> arrives, const System& system, double linkError) {
-        const std::size_t n = tree_.nodes().size();
-        Lights3 squares(radiosity.size()), mean(n), meanSquare(n);
-        for (std::size_t i = 0; i < radiosity.size(); ++i) squares[i] = Light(sqr(luminance(radiosity[i])));
-        tree_.pull(radiosity, mean);
-        tree_.pull(squares, meanSquare);
-        brightness_.resize(n);
-        deviation_.resize(n);
-        for (std::size_t i = 0; i < n; ++i) {
-            brightness_[i] = luminance(mean[i]);
-            deviation_[i] = std::sqrt(std::max(meanSquare[i][0] - sqr(brightness_[i]), 0.0));
-        }
-        allowed_ = linkError / double(std::max<std::size_t>(radiosity.size(), 1)) * power(radiosity, system.areas);
-        compareLight(arrives, system);
-        return refineAll();
-    }
-
-private:
-    // The harmonic mean over what reflects, for a node that is dim in part must be linked as its dim part.
-    void compareLight(std::span<const double> arrives, const System& system) {
-        const std::size_t n = tree_.nodes().size();
-        Lights3 weights(arrives.size()), mean(n);
-        double sum = 0, area = 0;
-        for (std::size_t i = 0; i < arrives.size(); ++i) sum += arrives[i] * double(system.areas[i]), area += double(system.areas[i]);
-        const double usual = sum / area;
-        for (std::size_t i = 0; i < arrives.size(); ++i) {
-            const double reflects = double(luminance(system.reflectance[i]));
-            weights[i] = {reflects, reflects / std::max(arrives[i], dimmest * usual), 0};
-        }
-        tree_.pull(weights, mean);
-        dim_.assign(n, 1);
-        for (std::size_t i = 0; i < n; ++i)
-            if (usual > 0 && mean[i][1] > 0) dim_[i] = std::min(brighter * mean[i][0] / (mean[i][1] * usual), 1.0);
-    }
-    using Pair = std::pair<uint32_t, uint32_t>;
-    // Either one link (or none), or the pairs that take its place.
-    void refine(Pair pair, std::vector<Link>& links, std::vector<Pair>& open) const {
-        const auto [to, from] = pair;
-        const Hierarchy::Node &p = tree_[to], &q = tree_[from];
-        if (to == from) {
-            if (p.leaf() || p.flat) return;
-            const uint32_t a = tree_.left(to), b = p.right;
-            open.insert(open.end(), {{a, a}, {a, b}, {b, a}, {b, b}});
-            return;
-        }
-        if (brightness_[from] == 0 || behind(p, q) || behind(q, p)) return;
-        const Exchange e = exchange(to, from);
-        const double wrong = p.area * (double(e.range) * brightness_[from] + double(e.factor) * deviation_[from]);
-        if ((p.leaf() && q.leaf()) || wrong <= allowed_ * dim_[to]) {
-            if (e.factor > 0) links.push_back({to, from, e.factor});
-        } else if (q.leaf() || (!p.leaf() && p.area > q.area)) {
-            open.push_back({p.right, from});
-            open.push_back({tree_.left(to), from});
-        } else {
-            open.push_back({to, q.right});
-            open.push_back({to, tree_.left(from)});
-        }
-    }
-    std::vector<Link> refineAll() const {
-        std::vector<Link> all;
-        std::vector<Pair> seeds{{0, 0}}, next;
-        while (!seeds.empty() && seeds.size() < seedPairs) {
-            next.clear();
-            for (const Pair& p : seeds) refine(p, all, next);
-            seeds.swap(next);
-        }
-        std::vector<std::vector<Link>> found(seeds.size());
-        std::atomic<uint64_t> count{all.size()};
-        std::atomic<bool> full{false};
-        const uint64_t most = work_.memoryLimit / (2 * sizeof(Link));
-        work_.run.chunks(
-            seeds.size(),
-            [&](uint64_t k) {
-                std::vector<Pair> open{seeds[k]};
-                while (!open.empty() && !full) {
-                    const Pair p = open.back();
-                    open.pop_back();
-                    const std::size_t before = found[k].size();
-                    refine(p, found[k], open);
-                    if (found[k].size() > before && count.fetch_add(1, std::memory_order_relaxed) > most) full = true;
-                }
-            },
-            &work_.stop);
-        if (full)
-            throw Error(Exit::resources,
-                        fmt::format("radiosity: more than {} links, limit {:.2g} GB. Use a larger link-error, fewer patches, "
-                                    "or solver=stochastic.",
-                                    most, double(work_.memoryLimit) / 1e9));
-        all.reserve(count);
-        for (std::vector<Link>& f : found) {
-            all.insert(all.end(), f.begin(), f.end());
-            std::vector<Link>().swap(f);
-        }
-        return all;
-    }
-
-    struct Side {
-        Vec3 p, normal;
-        const Patch* patch = nullptr;
-    };
-    Side place(uint32_t node, Sampler u) const noexcept {
-        const PickAndPoint at = u.get3D();
-        const uint32_t patch = tree_.pick(node, float(at.pick));
-        const Patch& p = factors_.patches()[patch];
-        return {factors_.patches().point(patch, at.u), p.normal, &p};
-    }
-    Exchange exchange(uint32_t to, uint32_t from) const noexcept {
-        const Hierarchy::Node &p = tree_[to], &q = tree_[from];
-        const Sampler ofP(work_.seed, SamplerKind::sobol, Stream::prepass, uint64_t(to) << 32 | from, 0);
-        Sampler ofQ = ofP;
-        ofQ.skip(3);
-        const float part = float(q.area) / points;
-        float kernel[pairs] = {}, each[points] = {};
-        Ray rays[pairs];
-        int of[pairs];
-        float open[pairs]; // points are drawn where patches are not open, too; there nothing is seen
-        std::size_t n = 0;
-        for (int i = 0; i < points; ++i) {
-            const Side a = place(to, ofP.at(uint32_t(i)));
-            for (int j = 0; j < points; ++j) {
-                const Side b = place(from, ofQ.at(uint32_t(i * points + j)));
-                const Vec3 way = b.p - a.p;
-                const float squared = lengthSquared(way), ca = dot(a.normal, way), cb = -dot(b.normal, way);
-                if (!(ca > 0 && cb > 0)) continue;
-                kernel[i * points + j] = part * ca * cb / (squared * (pi * squared + part)); // a disc of that area (Wallace 1989)
-                const Vec3 o = a.patch->outside(a.p), d = b.patch->outside(b.p) - o;
-                const float distance = length(d);
-                if (!(distance > 0)) continue;
-                rays[n] = {o, 0, d * (1 / distance), distance, factors_.patches().time()};
-                open[n] = a.patch->open * b.patch->open;
-                of[n++] = i * points + j;
-            }
-        }
-        if (n == 0) return {0, fewest(p, q)};
-        uint8_t blocked[pairs] = {};
-        work_.scene.occluded({rays, n}, {blocked, n});
-        float all = 0, seen = 0;
-        for (std::size_t k = 0; k < n; ++k) {
-            all += kernel[of[k]];
-            if (blocked[k]) continue;
-            const float arrives = kernel[of[k]] / open[k];
-            seen += arrives;
-            each[of[k] / points] += arrives;
-        }
-        const auto [least, most] = std::minmax_element(each, each + points);
-        Exchange e{seen / points, *most - *least};
-        e.range = std::max(e.range, floorOfRange * e.factor);
-        const bool near = lengthSquared(q.centre - p.centre) < 16 * float(std::max(p.area, q.area));
-        if (p.leaf() && q.leaf() && near) e.factor = float(factors_.unoccluded(tree_.patch(to), tree_.patch(from))) * seen / all;
-        // Where they may touch, most of the exchange can lie between points that were not drawn.
-        if (seen == 0 || length(q.centre - p.centre) < p.radius + q.radius) e.range = std::max(e.range, fewest(p, q));
-        e.factor = std::min(e.factor, 1.f);
-        return e;
-    }
-    // What sixteen rays that met nothing may have missed.
-    static float fewest(const Hierarchy::Node& p, const Hierarchy::Node& q) noexcept {
-        const float gap = std::max(length(q.centre - p.centre), 0.5f * (p.radius + q.radius));
-        return std::min(float(q.area) / (pi * gap * gap), 1.f) / pairs;
-    }
-
-    const Work& work_;
-    const FormFactors& factors_;
-    const Hierarchy& tree_;
-    std::vector<double> brightness_, deviation_; // of the nodes
-    std::vector<double> dim_;                    // what arrives at them, of the mean, at most 1
-    double allowed_ = 0;
-};
 
 // What the factors of a patch should add up to: the share of its hemisphere in which something lies that sends. By rays; exact in a closed
 // room.
@@ -276,7 +79,7 @@ private:
                 if (j == ~0u)
                     counted -= patches.unlit(hit[k]);
                 else
-                    sum += maxComponent(system.reflectance[j]) > 0 || maxComponent(system.emission[j]) > 0;
+                    sum += sends(system, j);
             }
         }
         return float(sum) / float(std::max(counted, 1));
@@ -287,7 +90,7 @@ private:
 // Links by receiver, as a sparse matrix over nodes.
 class LinkMatrix {
 public:
-    LinkMatrix(const Executor& run, const Hierarchy& tree, std::vector<Link> links, const RowSums& sums)
+    LinkMatrix(const Executor& run, const Hierarchy& tree, std::vector<Link> links, const RowSums& sums, const System& system)
         : run_(run), tree_(tree), begin_(tree.nodes().size() + 1), from_(links.size()), factor_(links.size()), above_(tree.nodes().size()),
           arrived_(tree.nodes().size()) {
         for (const Link& l : links) ++begin_[l.to + 1];
@@ -297,9 +100,9 @@ public:
             from_[next[l.to]] = l.from;
             factor_[next[l.to]++] = l.factor;
         }
-        // Of a radiosity of one everywhere each patch should receive its row sum.
-        const std::size_t n = tree.nodes()[0].count;
-        Lights3 ones(n, Light(1)), found(n);
+        // Of a radiosity of one of all that send each patch should receive its row sum.
+        Lights3 ones(system.size()), found(system.size());
+        for (std::size_t i = 0; i < ones.size(); ++i) ones[i] = Light(sends(system, i) ? 1 : 0);
         (*this)(ones, found);
         corrections_ = sums.corrections(tree, found);
     }
@@ -361,14 +164,15 @@ Solution solveHierarchical(const Work& work, const FormFactors& factors, const S
         std::vector<Link> links = linker.link(b, arrives, system, linkError * share);
         if (work.stop.requested()) return s;
         const uint64_t count = links.size();
-        LinkMatrix matrix(work.run, tree, std::move(links), sums);
+        LinkMatrix matrix(work.run, tree, std::move(links), sums, system);
         const auto bounce = [&](std::span<const Light> from, std::span<Light> to) { matrix(from, to); };
         Limits rough;
         rough.tolerance = 1e-3;
         s = neumann(system, bounce, share == 1 ? limits : rough, run);
         if (!s.complete) return s;
         s.links = count;
-        s.bytes = matrix.bytes() + count * sizeof(Link) + tree.bytes() + system.size() * sizeof(Light) * (limits.levels() + 4);
+        s.bytes =
+            matrix.bytes() + count * sizeof(Link) + tree.bytes() + linker.bytes() + system.size() * sizeof(Light) * (limits.levels() + 4);
         if (share != 1) total(&s);
     }
     return s;

@@ -26,7 +26,7 @@ inline constexpr OptionSpec solveOptions[] = {
     {"steps", OptionType::integer, "0", 0, 1e9, "", "of shoot; 0: until converged"},
     {"overshoot", OptionType::boolean, "off", 0, 0, "", "shoot also what a patch will still receive"},
     {"ambient", OptionType::boolean, "off", 0, 0, "", "of shoot: show what is unshot as an even light"},
-    {"link-error", OptionType::real, "3e-3", 1e-9, 1e3, "", "of hierarchical: what a link may get wrong, of the power of a mean patch"},
+    {"link-error", OptionType::real, "5e-3", 1e-9, 1e3, "", "of hierarchical: what a link may get wrong, of the power of a mean patch"},
     {"shots", OptionType::integer, "64", 1, 1 << 20, "", "of stochastic: rays a patch, in the first bounce"},
 };
 

@@ -1,11 +1,13 @@
-// Photon maps converge: photon and sppm are rendered at radii 1, 1/2, 1/4 and 1/8 of their own, every replicate is extrapolated to the
-// radius 0 by least squares over the powers that the method names, and the limit is held against path, or where path is blind (light
-// without extent through glass) against light, on the paths that both sides cover. All sides of a replicate share a seed: photons and
-// points of the pixels are the same, so that the noise of the extrapolation is that of one picture.
+// Photon maps and radiosity converge: photon and sppm are rendered at radii 1, 1/2, 1/4 and 1/8 of their own, radiosity with patches of 1,
+// 0.71, 0.5 and 0.35 of the size given, every replicate is extrapolated to 0 by least squares over the powers that the method names, and
+// the limit is held against path, or where path is blind (light without extent through glass) against light, on the paths that both sides
+// cover: of radiosity all of them and bounce by bounce. All sides of a replicate share a seed: photons, rays and points of the pixels are
+// the same, so that the noise of the extrapolation is that of one picture.
 //
-// Short: @caustic alone. All scenes, those of ../shared/scenes too: CHIARO_LONG=1 sh tools/test.sh -R converged.limits; one scene:
+// Short: @caustic, and @cornell by radiosity. All scenes, those of ../shared/scenes too: CHIARO_LONG=1 sh tools/test.sh -R
+// converged.limits; one scene:
 //   CHIARO_LONG=1 build/release/tests/chiaro_tests_converged --test-suite=limits --test-case="*caustic-ring*"
-// What was found is in docs/photons.md.
+// What was found is in docs/photons.md and docs/radiosity.md.
 #include "io/gltf.h"
 #include "io/image_read.h"
 #include "tests/converged/comparison.h"
@@ -162,7 +164,25 @@ void judgeAll(const std::string& name, const std::vector<Case>& cases, bool alwa
 // Photons for caustics alone.
 constexpr std::string_view causticPhoton = "photon:gather=0,count=1k,caustic-count=300k", causticSppm = "sppm:count=1k,caustic-count=16k";
 
+// Light by the number of its scatterings.
+std::vector<Case> byBounces(std::string_view radiosity, double width, uint32_t spp, uint32_t referenceSpp, uint32_t replicates) {
+    std::vector<Case> all;
+    for (const std::string_view paths : {"L D* E", "L D E", "L D D E", "L D D D E"})
+        all.push_back({radiosity, "path", paths, width, spp, referenceSpp, replicates});
+    return all;
+}
+
 TEST_SUITE("limits") {
+    TEST_CASE("@cornell by radiosity") {
+        judgeAll("@cornell", {{"radiosity:size=1.2", "path", "L D+ E", .004, 16, 128, 8}}, true);
+        judgeAll("@cornell", byBounces("radiosity:size=.8,light-rays=256", .004, 16, 1024, 32));
+    }
+    TEST_CASE("lamp-room by radiosity") {
+        judgeAll("lamp-room", byBounces("radiosity:size=.5,light-rays=256,shots=256", .02, 16, 1024, 16));
+    }
+    TEST_CASE("breakfast-room by radiosity") {
+        judgeAll("breakfast-room", byBounces("radiosity:size=.5,light-rays=256,shots=256", .02, 16, 1024, 16));
+    }
     TEST_CASE("@cornell") { judgeAll("@cornell", {{"photon", "path", "", .003, 16, 16, 32}, {"sppm", "path", "", .005, 16, 16, 32}}); }
     TEST_CASE("@cornell-spheres") {
         judgeAll("@cornell-spheres", {{"photon", "path", "", .01},
@@ -186,7 +206,7 @@ TEST_SUITE("limits") {
                                   {causticSppm, "light", "L S+ D E", .02, 128}});
     }
     // Its sky through water is what path has noise of.
-    TEST_CASE("caustic-pool") { judgeAll("caustic-pool", {{"photon", "path", "", .2}, {"sppm", "path", "", .2}}); }
+    TEST_CASE("caustic-pool") { judgeAll("caustic-pool", {{"photon", "path", "", .03, 16, 4096}, {"sppm", "path", "", .03, 16, 4096}}); }
     TEST_CASE("stained-glass-lamp") { judgeAll("stained-glass-lamp", {{"photon", "path", "", .02}, {"sppm", "path", "", .02}}); }
-    TEST_CASE("lamp-room") { judgeAll("lamp-room", {{"photon", "path", "", .03}, {"sppm", "path", "", .03}}); }
+    TEST_CASE("lamp-room") { judgeAll("lamp-room", {{"photon", "path", "", .02, 16, 1024}, {"sppm", "path", "", .02, 16, 1024}}); }
 } // TEST_SUITE

@@ -67,25 +67,26 @@ TEST_SUITE("radiosity-agree") {
             CAPTURE(std::string(solver));
             const Solved s = solved(*scene, fmt::format("{},solver={}", same, solver));
             for (const Vec3& n : {Vec3{0, 1, 0}, Vec3{0, -1, 0}, Vec3{1, 0, 0}, Vec3{-1, 0, 0}, Vec3{0, 0, 1}})
-                CHECK(meanIrradiance(s, n) == doctest::Approx(meanIrradiance(reference, n)).epsilon(5e-3));
+                CHECK(meanIrradiance(s, n) == near(meanIrradiance(reference, n), 5e-3));
             CHECK(difference(s, reference) < .02); // patch by patch, of the mean
         }
     }
 
+    // Small patches: the block hangs a hundredth above the floor, and a patch that reaches below it has less light than what is seen of it.
+    // With an edge of 0.08 direct light is 2.5 % off, with 0.04 up to 0.6 %, either way, with 0.01 less than 0.1 %.
     TEST_CASE("with the path tracer, bounce by bounce and in sum, with lights of every kind") {
         const auto scene = compiled(mixedRoom());
-        CameraDesc camera = recentred(*scene, perspective({0, 0, .49}, {0, -.1, -.5}, 1.5));
-        for (const uint32_t depth : {0u, 1u, 2u, 3u, unlimitedDepth}) {
-            CAPTURE(depth);
-            Settings how{24, 24, 1024, {}, 2};
-            how.maxDepth = depth;
-            const double path = double(luminance(rendered(*scene, camera, how).mean));
-            how.spp = 64;
-            for (const char* show : {"interpolated", "gather", "patch"}) {
-                CAPTURE(show);
-                const double seen = double(
-                    luminance(rendered(*scene, camera, how, fmt::format("radiosity:patches=1500,light-rays=128,show={}", show)).mean));
-                CHECK(seen == doctest::Approx(path).epsilon(.01));
+        const CameraDesc camera = recentred(*scene, perspective({0, 0, .49}, {0, -.1, -.5}, 1.5));
+        constexpr uint32_t most = 3;
+        const std::vector<double> path = byBounce(*scene, camera, {24, 24, 4096, {}, 2}, most, "path");
+        for (const char* show : {"interpolated", "gather", "patch"}) {
+            const std::vector<double> seen =
+                byBounce(*scene, camera, {24, 24, 64, {}, 2}, most,
+                         fmt::format("radiosity:size=.02,light-rays=64,solver=stochastic,shots=128,show={}", show));
+            CHECK(seen[0] == path[0]); // the lamp is seen from behind
+            for (uint32_t k = 1; k <= most + 1; ++k) {
+                INFO(std::string(show) << (k > most ? ", in sum" : ", bounce ") << k << ": " << 100 * (seen[k] / path[k] - 1) << " %");
+                CHECK(std::fabs(seen[k] / path[k] - 1) < .01);
             }
         }
     }
@@ -109,7 +110,7 @@ TEST_SUITE("radiosity-agree") {
         };
         const char* viewer = "distributed";
         const auto both = with(prepass.get(), viewer);
-        CHECK(double(luminance(meanOf(*both))) == doctest::Approx(path).epsilon(.01));
+        CHECK(double(luminance(meanOf(*both))) == near(path, .01));
 
         // Saved and loaded: the same bits.
         std::stringstream file;
@@ -137,13 +138,13 @@ TEST_SUITE("radiosity-agree") {
                 .mean;
         };
         const Spectrum above = at({0, -1, 0}), aslant = at({.5, -.6, -.3});
-        for (std::size_t c = 0; c < 3; ++c) CHECK(above[c] == doctest::Approx(double(aslant[c])).epsilon(1e-4));
+        for (std::size_t c = 0; c < 3; ++c) CHECK(above[c] == near(double(aslant[c]), 1e-4));
     }
 
     TEST_CASE("any number of threads gives the same bits, by every solver") {
         const auto scene = compiled(mixedRoom());
         for (const char* solver : {"gauss-seidel", "jacobi", "direct", "shoot", "hierarchical", "stochastic"}) {
-            CAPTURE(solver);
+            CAPTURE(std::string(solver));
             const std::string text = fmt::format("patches=200,solver={},rays=256,light-rays=16", solver);
             const Solved one = solved(*scene, text, 1, 1), three = solved(*scene, text, 1, 3);
             REQUIRE(one.solution.terms.size() == three.solution.terms.size());
@@ -171,7 +172,7 @@ TEST_SUITE("radiosity-agree") {
         const Pixel p{4, 5};
         Spectrum sum(0);
         for (int l = 0; l < int(split->layout().layers.size()); ++l) sum += split->mean(p, l);
-        CHECK(sum[0] == doctest::Approx(double(whole->mean(p)[0])).epsilon(1e-4));
+        CHECK(sum[0] == near(double(whole->mean(p)[0]), 1e-4));
         CHECK(split->mean(p, 2)[0] > 0);
         CHECK(split->mean(p, 3)[0] > 0);
         PathQuery one;

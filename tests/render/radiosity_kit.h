@@ -9,6 +9,9 @@
 
 namespace chiaro::test {
 
+// Relative to the larger of the two alone; doctest's own adds 1 to it.
+inline doctest::Approx near(double expected, double relative) { return doctest::Approx(expected).epsilon(relative).scale(0); }
+
 struct Solved {
     radiosity::Patches patches;
     radiosity::Solution solution;
@@ -56,6 +59,32 @@ inline CameraDesc recentred(const Scene& scene, CameraDesc c) {
     const Vec3d o = scene.centre();
     for (int i = 0; i < 3; ++i) c.toWorld.m[i][3] -= i == 0 ? o.x : i == 1 ? o.y : o.z;
     return c;
+}
+
+// Picture means of the paths L D^k E for k of 0 ... most, and of all of them.
+inline std::vector<double> byBounce(const Scene& scene, const CameraDesc& camera, const Settings& how, uint32_t most,
+                                    const std::string& integrator) {
+    Bench bench(scene, camera, how);
+    PathQuery query;
+    query.paths = "L D* E";
+    query.split = "bounces";
+    const PathClasses classes = PathClasses::make(query);
+    FilmLayout layout = bench.layout();
+    layout.layers = classes.layerNames();
+    Film film(layout);
+    const Job job{{scene, classes, bench.view.shutter, 0, SamplerKind::sobol, bench.run, bench.stop, bench.progress, bench.notes},
+                  bench.view};
+    const IntegratorChoice i = chooseIntegrator(integrator);
+    chiaro::render(job, *i.entry->make(i.options), film, {how.spp, infinity}, bench.stop);
+    std::vector<double> means(most + 2, 0);
+    for (uint32_t y = 0; y < how.height; ++y)
+        for (uint32_t x = 0; x < how.width; ++x)
+            for (uint32_t k = 0; k < layout.layers.size(); ++k) {
+                const double v = double(luminance(film.mean({x, y}, int(k)))) / double(how.width * how.height);
+                if (k > 0 && k <= most + 1) means[k - 1] += v;
+                means.back() += v;
+            }
+    return means;
 }
 
 inline PrimitiveDesc unitFace(int axis, int side) {
