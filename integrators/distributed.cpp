@@ -206,7 +206,7 @@ void Tree::follow(Branch b, Origin from) noexcept {
     SurfacePoint at, before;
     while (arrive(b, from, at)) {
         b.footprint = b.footprint.at(b.hit.t);
-        const Bsdf bsdf = shade(job_.scene, at, -b.ray.d, b.footprint, b.lambda);
+        const Bsdf bsdf = shade(job_.scene, at, -b.ray.d, b.footprint, b.lambda, Transport::radiance, Densities::forward);
         if (!from.at) {
             out_.aov(Aov::albedo, bsdf.albedo());
             out_.aov(Aov::normal, Spectrum(bsdf.normal().x, bsdf.normal().y, bsdf.normal().z));
@@ -262,7 +262,8 @@ private:
     void shadowView(const Job& job, PathStart& start, Outputs& out) const noexcept {
         if (!start.first) return;
         const SurfacePoint at = job.scene.point(start.first, start.ray);
-        const Bsdf bsdf = shade(job.scene, at, -start.ray.d, start.footprint.at(start.first.t), start.lambda);
+        const Bsdf bsdf =
+            shade(job.scene, at, -start.ray.d, start.footprint.at(start.first.t), start.lambda, Transport::radiance, Densities::forward);
         if (out.log) logSurface(*out.log, at, bsdf.normal(), start.first.t, Spectrum(1));
         Outputs unseen = out; // the light itself is not shown
         unseen.log = nullptr;

@@ -113,7 +113,7 @@ bool scatterParticle(const Work& work, Particle& p, const Hit& hit, const Surfac
     change(fate.absorbed, p.flux);
     if (rules.log) logSurface(*rules.log, at, at.ns, hit.t, p.flux);
     if (!classes.continues(p.state)) return leave(fate.ended, p.depth >= classes.maxDepth() ? "depth limit" : "no longer path is wanted");
-    const Bsdf bsdf = shade(scene, at, -p.ray.d, {}, p.lambda, Transport::importance);
+    const Bsdf bsdf = shade(scene, at, -p.ray.d, {}, p.lambda, Transport::importance, Densities::forward);
     const Onward onward =
         visitor.arrive(Arrival{at, from, p.ray, hit.t, p.state, p.flux, p.depth, p.deltas, p.kind}, bsdf, Sampler(p.sampler));
     p.sampler.skip(2);

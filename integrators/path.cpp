@@ -5,6 +5,7 @@
 #include "integrators/entries.h"
 #include "integrators/path_wide.h"
 #include "integrators/transport.h"
+#include <new>
 
 namespace chiaro {
 namespace {
@@ -58,12 +59,12 @@ void Path::radiance(const Job& job, PathStart& start, Outputs& out) const noexce
     Hit hit = start.first;
     Spectrum throughput(1);
     PathState state = classes.eye();
-    SurfacePoint at, previous;
+    SurfacePoint points[2]; // in turns: where the path is, and where it was
     Footprint footprint = cone(scene, start.footprint);
     float pdfW = 0;
     bool delta = true;
     for (uint32_t depth = 0;; ++depth) {
-        const SurfacePoint* from = depth > 0 ? &previous : nullptr;
+        const SurfacePoint* const from = depth > 0 ? &points[(depth + 1) % 2] : nullptr;
         if (!hit) {
             const LightHit sky = scene.lights().miss(ray, from);
             if (out.log) logSky(*out.log, scene, ray, throughput);
@@ -72,14 +73,14 @@ void Path::radiance(const Job& job, PathStart& start, Outputs& out) const noexce
             if (depth == 0) out.aov(Aov::albedo, {clamp01(sky.radiance[0]), clamp01(sky.radiance[1]), clamp01(sky.radiance[2])});
             return;
         }
-        at = scene.point(hit, ray);
+        const SurfacePoint& at = *::new (&points[depth % 2]) SurfacePoint(scene.point(hit, ray));
         footprint = footprint.at(hit.t);
         throughput *= segmentTransmittance(scene, from, ray.d, &at, hit.t);
         if (out.log) logSurface(*out.log, at, at.ns, hit.t, throughput);
         if (const LightHit light = scene.lights().hit(at, -ray.d, from))
             addFound(out, classes.reached(state, light.kind), throughput * light.radiance * settings_.hitWeight(delta, pdfW, light.pdfW));
         if (!classes.continues(state) && depth > 0) return ended(out, unwanted(classes, depth));
-        const Bsdf bsdf = shade(scene, at, -ray.d, footprint, start.lambda);
+        const Bsdf bsdf = shade(scene, at, -ray.d, footprint, start.lambda, Transport::radiance, Densities::forward);
         if (depth == 0) {
             out.aov(Aov::albedo, bsdf.albedo());
             out.aov(Aov::normal, Spectrum(bsdf.normal().x, bsdf.normal().y, bsdf.normal().z));
@@ -111,7 +112,6 @@ void Path::radiance(const Job& job, PathStart& start, Outputs& out) const noexce
         pdfW = sample->pdfW;
         delta = sample->delta;
         start.lambda = sample->after(start.lambda);
-        previous = at;
         footprint = scattered(scene, at, footprint, -ray.d, sample->wi, delta, pdfW);
         ray = at.towards(sample->wi);
         hit = scene.intersect(ray);

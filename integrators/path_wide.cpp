@@ -36,7 +36,7 @@ bool onlyDepth(const PathClasses& classes) noexcept {
     return false;
 }
 
-// A path that has picked a wavelength keeps it: lanes have no room for that.
+// Does a path pick a wavelength somewhere, and keep it?
 bool parts(const Scene& scene) noexcept {
     return std::any_of(scene.materials().begin(), scene.materials().end(), [](const MaterialDesc& m) { return m.dispersion > 0; });
 }
@@ -68,10 +68,10 @@ float PathSettings::hitWeight(bool delta, float pdfW, float lightPdfW) const noe
 
 WidePaths::WidePaths(const Scene& scene, const PathSettings& settings, uint32_t length, const Executor* run)
     : scene_(scene), settings_(settings), length_(std::clamp(length, PathStream::least, PathStream::most)), surfaces_(scene, run),
-      materials_(scene), lights_(scene), textures_(scene, surfaces_) {}
+      materials_(scene), lights_(scene), textures_(scene, surfaces_), dispersive_(parts(scene)) {}
 
 std::unique_ptr<const WidePaths> WidePaths::make(const Job& job, const PathSettings& settings, uint32_t length) {
-    if (!program(job.scene) || job.sampler != SamplerKind::sobol || !onlyDepth(job.classes) || parts(job.scene)) return nullptr;
+    if (!program(job.scene) || job.sampler != SamplerKind::sobol || !onlyDepth(job.classes)) return nullptr;
     if (job.scene.counts().triangles * sizeof(WideTriangle) > job.memoryLimit) {
         job.notes.warn("no memory for the table of triangles that paths in lanes read; they are followed one by one");
         return nullptr;
@@ -130,9 +130,9 @@ uint32_t WidePaths::vertex(VertexLanes& l, uint32_t lanes, uint32_t maxDepth) co
         const uint32_t depth = l.depth[k];
         l.shadow.tfar[k] = -1;
         if (depth >= maxDepth && depth > 0) return;
-        Wavelengths lambda;
+        Wavelengths lambda{l.hero[k]};
         const Footprint here{l.width[k], l.spread[k]};
-        const Bsdf bsdf = shade(scene_, at, -ray.d, here, lambda);
+        const Bsdf bsdf = shade(scene_, at, -ray.d, here, lambda, Transport::radiance, Densities::forward);
         put(l.albedo, k, bsdf.albedo());
         put(l.normal, k, {bsdf.normal().x, bsdf.normal().y, bsdf.normal().z});
         if (depth >= maxDepth) return;
@@ -153,6 +153,7 @@ uint32_t WidePaths::vertex(VertexLanes& l, uint32_t lanes, uint32_t maxDepth) co
         if (!sample || black(sample->weight)) return;
         alive |= 1u << k;
         for (std::size_t c = 0; c < 3; ++c) l.throughput[c][k] *= sample->weight[c];
+        l.hero[k] = sample->after(lambda).hero;
         l.pdfW[k] = sample->delta ? -sample->pdfW : sample->pdfW;
         l.spread[k] = scattered(scene_, at, here, -ray.d, sample->wi, sample->delta, sample->pdfW).spread;
         l.fromP[0][k] = at.p.x, l.fromP[1][k] = at.p.y, l.fromP[2][k] = at.p.z;

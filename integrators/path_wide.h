@@ -22,10 +22,10 @@ struct PathSettings {
     float hitWeight(bool delta, float pdfW, float lightPdfW) const noexcept;
 };
 
-// The paths under way, packed: 108 bytes each.
+// The paths under way, packed: 112 bytes each.
 struct PathStream {
     // least: what is left of a packet and sixteen new ones have room together.
-    static constexpr uint32_t least = 32, most = 4096, room = most + 32, floats = 19, words = 6;
+    static constexpr uint32_t least = 32, most = 4096, room = most + 32, floats = 20, words = 6;
     alignas(64) float f[floats][room];
     alignas(64) uint32_t i[words][room];
 };
@@ -37,6 +37,7 @@ struct alignas(64) VertexLanes {
     HitPacket hits;
     float fromP[3][size], fromNg[3][size]; // where they began, geometric normal
     float throughput[3][size], pdfW[size]; // pdfW < 0: a delta lobe, or the camera
+    float hero[size];                      // nanometres, of a path that dispersion has parted; else 0
     float width[size], spread[size];       // the footprint where the rays arrive; of the answer, where the next ones begin
     uint32_t depth[size];
     uint32_t pick[2][size]; // of a light, of a lobe: 32 random bits
@@ -65,6 +66,7 @@ public:
     const WideMaterials& materials() const noexcept { return materials_; }
     const WideLights& lights() const noexcept { return lights_; }
     const WideTextures& textures() const noexcept { return textures_; }
+    bool dispersive() const noexcept { return dispersive_; }
     const PathSettings& settings() const noexcept { return settings_; }
     uint32_t length() const noexcept { return length_; }
     const Scene& scene() const noexcept { return scene_; }
@@ -86,6 +88,7 @@ private:
     WideMaterials materials_;
     WideLights lights_;
     WideTextures textures_;
+    bool dispersive_;
 };
 
 // One for each instruction set (integrators/wide/).

@@ -233,7 +233,7 @@ void EyeWalk::follow(Branch b) noexcept {
     bool maySplit = b.from == nullptr;
     while (arrive(b, at)) {
         b.footprint = b.footprint.at(b.hit.t);
-        const Bsdf bsdf = shade(job_.scene, at, -b.ray.d, b.footprint, b.lambda);
+        const Bsdf bsdf = shade(job_.scene, at, -b.ray.d, b.footprint, b.lambda, Transport::radiance, Densities::forward);
         if (!b.from) {
             out_.aov(Aov::albedo, bsdf.albedo());
             out_.aov(Aov::normal, Spectrum(bsdf.normal().x, bsdf.normal().y, bsdf.normal().z));

@@ -21,6 +21,7 @@ PlainMaterial plainMaterial(const Scene& scene, uint32_t id) {
     const BsdfParameters p = surfaceParameters(scene, at);
     plain.plain =
         !textured(scene.material(id)) && !hasFurtherLobes(scene.material(id)) && p.metallic <= 0 && p.transmission <= 0 && p.specular <= 0;
+    if (!plain.plain) return plain;
     const Bsdf bsdf(p, at.ng, at.ns, at.ng);
     plain.f = bsdf.evaluate(at.ng).f();
     plain.smooth = bsdf.smooth() && !black(plain.f);

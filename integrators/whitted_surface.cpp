@@ -21,7 +21,7 @@ Vec3 frontNormal(const Bsdf& bsdf, const SurfacePoint& at, const Vec3& wo) noexc
 
 Bsdf closure(const Settings& s, const Scene& scene, const SurfacePoint& at, const Vec3& wo, const Footprint& footprint,
              Wavelengths& lambda) noexcept {
-    const Bsdf own = shade(scene, at, wo, footprint, lambda);
+    const Bsdf own = shade(scene, at, wo, footprint, lambda, Transport::radiance, Densities::forward);
     if (s.transparency == Settings::Transparency::refractive || !transparent(scene.material(at.material))) return own;
     BsdfParameters p = surfaceParameters(SlotReader(scene, at, wo, footprint), scene.material(at.material), at);
     p.transmission = 0;
@@ -72,8 +72,9 @@ void bend(TreeBranches& branches, const BsdfParameters& p, float cosine, bool ou
 
 WhittedSurface::WhittedSurface(const Settings& s, const Scene& scene, const SurfacePoint& at, const Vec3& wo, const Footprint& footprint,
                                Wavelengths& lambda) noexcept
-    : bsdf_(s.transparency == Settings::Transparency::refractive ? shade(scene, at, wo, footprint, lambda)
-                                                                 : closure(s, scene, at, wo, footprint, lambda)) {
+    : bsdf_(s.transparency == Settings::Transparency::refractive
+                ? shade(scene, at, wo, footprint, lambda, Transport::radiance, Densities::forward)
+                : closure(s, scene, at, wo, footprint, lambda)) {
     if (s.transparency == Settings::Transparency::refractive || !transparent(scene.material(at.material))) return;
     const BsdfParameters p = surfaceParameters(SlotReader(scene, at, wo, footprint), scene.material(at.material), at);
     const float kt = transmittedShare(p);

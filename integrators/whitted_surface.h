@@ -20,8 +20,11 @@ struct TreeBranch {
 };
 struct TreeBranches {
     static constexpr int most = 6;
-    TreeBranch b[most];
+    union { // the first n are begun
+        TreeBranch b[most];
+    };
     int n = 0;
+    TreeBranches() noexcept {}
     void add(const TreeBranch& branch) noexcept {
         if (n < most && !black(branch.weight)) b[n++] = branch;
     }

@@ -175,7 +175,7 @@ bool WhittedTrees::found(Visit& v, Outputs& out) noexcept {
         sky(node.ray, node.state, node.throughput, node.depth, node.glossy, out);
         return false;
     }
-    v.at = scene.point(v.hit, node.ray);
+    ::new (&v.at) SurfacePoint(scene.point(v.hit, node.ray));
     if (shared_.absorbs) {
         const SurfacePoint from = leaving(node.ng, node.material);
         node.throughput *= segmentTransmittance(scene, node.material == PathLog::none ? nullptr : &from, node.ray.d, &v.at, v.hit.t);

@@ -1,5 +1,6 @@
 #include "materials/bsdf.h"
 #include "core/render/fault.h"
+#include "materials/closure_table.h"
 
 namespace chiaro {
 namespace {
@@ -39,12 +40,17 @@ Bsdf::Pose::Pose(const BsdfParameters& p, const Vec3& geometric, const Vec3& sha
     if (!ownCoat) coat = n;
 }
 
-Bsdf::Bsdf(const BsdfParameters& parameters, const Vec3& ng, const Vec3& ns, const Vec3& wo, Transport transport) noexcept
-    : Bsdf(parameters, Pose(parameters, ng, ns, wo, transport), wo, transport) {}
+Bsdf::Bsdf(const BsdfParameters& parameters, const Vec3& ng, const Vec3& ns, const Vec3& wo, Transport transport,
+           Densities densities) noexcept
+    : Bsdf(parameters, {}, Pose(parameters, ng, ns, wo, transport), wo, transport, densities) {}
 
-Bsdf::Bsdf(const BsdfParameters& parameters, const Pose& pose, const Vec3& wo, Transport transport) noexcept
-    : frame_(frameAbout(pose.n, parameters)), ng_(pose.ng),
-      lobes_(parameters, frame_.toLocal(wo), coatIn(frame_, pose.coat), pose.outside, transport) {
+Bsdf::Bsdf(const ClosureRecord& r, const Vec3& ng, const Vec3& ns, const Vec3& wo, Transport transport, Densities densities) noexcept
+    : Bsdf(r.parameters, r.shared(), Pose(r.parameters, ng, ns, wo, transport), wo, transport, densities) {}
+
+Bsdf::Bsdf(const BsdfParameters& parameters, const SharedClosure& shared, const Pose& pose, const Vec3& wo, Transport transport,
+           Densities densities) noexcept
+    : frame_(frameAbout(pose.n, parameters)), ng_(pose.ng), densities_(densities),
+      lobes_(parameters, frame_.toLocal(wo), coatIn(frame_, pose.coat), pose.outside, transport, shared) {
     if (pose.adjoint) adjoint_ = Adjoint{parameters, pose.ns, pose.coat, wo, pose.outside};
 }
 
@@ -112,11 +118,13 @@ BsdfValue Bsdf::evaluateAdjoint(const Vec3& wi, Terms terms) const noexcept {
     const bool ownCoat = a.parameters.clearcoat > 0 && lengthSquared(a.parameters.clearcoatNormal) > 0;
     const Vec3 coat = ownCoat ? facing(a.coat * side, ng_ * side, wi) * side : n;
     const bool same = n == frame_.z && (!ownCoat || coat == a.coat), drawn = local.z * side > 0;
-    LobeValue v = lobes_.evaluate(drawn ? local : frame_.toLocal(swapped(wi)));
+    LobeValue v = lobes_.evaluate(drawn ? local : frame_.toLocal(swapped(wi)), densities_);
     if (!same) {
         const Frame frame = frameAbout(n, a.parameters);
         const float pdfW = v.pdfW;
-        v = LobeStack(a.parameters, frame.toLocal(a.wo), coatIn(frame, coat), a.outside, Transport::importance).evaluate(frame.toLocal(wi));
+        const SharedClosure shared{&lobes_.mixture(), lobes_.diffuseScale()};
+        v = LobeStack(a.parameters, frame.toLocal(a.wo), coatIn(frame, coat), a.outside, Transport::importance, shared)
+                .evaluate(frame.toLocal(wi), densities_);
         v.pdfW = pdfW;
     }
     const float scale =
@@ -126,10 +134,23 @@ BsdfValue Bsdf::evaluateAdjoint(const Vec3& wi, Terms terms) const noexcept {
 
 BsdfValue Bsdf::evaluate(const Vec3& wi, Terms terms) const noexcept {
     if (adjoint_) return evaluateAdjoint(wi, terms);
+    if (lobes_.matt()) return matt(wi, dot(wi, frame_.z));
     const Vec3 local = frame_.toLocal(wi);
     if (!sides(wi, local)) return {};
-    const LobeValue v = lobes_.evaluate(local);
+    const LobeValue v = lobes_.evaluate(local, densities_);
     return v.pdfW == 0 ? BsdfValue{} : valueOf(v, 1, local.z > 0, terms);
+}
+
+// The same of a diffuse lobe alone.
+BsdfValue Bsdf::matt(const Vec3& wi, float cosine) const noexcept {
+    BsdfValue value;
+    const float pdfW = cosineHemispherePdfW(cosine);
+    if (!(pdfW > 0) || !(dot(wi, ng_) > 0)) return value;
+    value.terms[0] = {lobes_.mattF(), Event::DR};
+    value.n = 1;
+    value.pdfW = pdfW;
+    value.pdfReverseW = cosineHemispherePdfW(lobes_.wo().z);
+    return value;
 }
 
 // A direction on the wrong side of the surface is swapped to the right one, so that every direction that scatters light can be drawn.
@@ -145,7 +166,13 @@ std::optional<BsdfSample> Bsdf::sampleAdjoint(const LobeSample& s) const noexcep
 }
 
 std::optional<BsdfSample> Bsdf::sample(float uLobe, Point2 u) const noexcept {
-    const std::optional<LobeSample> s = lobes_.sample(uLobe, u);
+    if (lobes_.matt() && !adjoint_) {
+        const Vec3 local = cosineHemisphere(u), wi = frame_.toWorld(local);
+        const BsdfValue v = matt(wi, local.z);
+        if (v.n == 0) return {};
+        return BsdfSample{wi, v.terms[0].f * (local.z / v.pdfW), v.pdfW, v.pdfReverseW, false, Event::DR};
+    }
+    const std::optional<LobeSample> s = lobes_.sample(uLobe, u, densities_);
     if (!s) return {};
     const bool delta = s->delta();
     if (adjoint_ && !delta) return sampleAdjoint(*s);
@@ -156,7 +183,7 @@ std::optional<BsdfSample> Bsdf::sample(float uLobe, Point2 u) const noexcept {
         r.weight = r.weight * (correction(r.wi) / s->pmf);
         return r;
     }
-    const LobeValue v = lobes_.evaluate(s->wi);
+    const LobeValue v = lobes_.evaluate(s->wi, densities_);
     if (!(v.pdfW > 0)) return {};
     r.weight = (v.diffuse + v.glossy) * (std::fabs(s->wi.z) / v.pdfW);
     r.pdfW = v.pdfW;

@@ -9,6 +9,8 @@
 // corrections (Veach 1997, section 5.3) live here too, so that no integrator can forget them: where importance travels, f is that of the
 // camera path which takes the same way backwards, times |wo.ns| |wi.ng| / (|wo.ng| |wi.normal()|).
 //
+// Who has no use for the densities of the reverse says so where the closure is made: they take up to a third of an evaluation.
+//
 // Where smooth glass disperses, a refracted sample has picked a wavelength: its weight has one channel left, and shade() at the next hits
 // wants to know it (BsdfSample::lambda). Whoever forgets it stays unbiased, but the next refraction picks again. deltaSplit() lists one
 // branch for each channel, at the middle of its band, with the weight of that channel alone: no dice, three colours for a rainbow.
@@ -52,16 +54,26 @@ struct DeltaBranch {
     Event event = Event::SR;
 };
 struct DeltaBranches {
-    DeltaBranch b[5]; // two mirrors, and a refraction for each channel
+    union {               // the first n are begun
+        DeltaBranch b[5]; // two mirrors, and a refraction for each channel
+    };
     int n = 0;
+    DeltaBranches() noexcept {}
     const DeltaBranch* begin() const noexcept { return b; }
     const DeltaBranch* end() const noexcept { return b + n; }
 };
 
+struct ClosureRecord;
+
 class Bsdf {
 public:
     // ng: geometric normal of the front side; ns: shading normal on the same side (normal map applied).
-    Bsdf(const BsdfParameters&, const Vec3& ng, const Vec3& ns, const Vec3& wo, Transport = Transport::radiance) noexcept;
+    // Densities::forward: pdfReverseW is not asked for; it means nothing then, and costs nothing.
+    Bsdf(const BsdfParameters&, const Vec3& ng, const Vec3& ns, const Vec3& wo, Transport = Transport::radiance,
+         Densities = Densities::both) noexcept;
+
+    // Of a material whose closures share what they can; it lives longer.
+    Bsdf(const ClosureRecord&, const Vec3& ng, const Vec3& ns, const Vec3& wo, Transport, Densities) noexcept;
 
     BsdfValue evaluate(const Vec3& wi, Terms = Terms::together) const noexcept;
     std::optional<BsdfSample> sample(float uLobe, Point2 u) const noexcept;
@@ -84,9 +96,10 @@ private:
         bool outside = true, adjoint = false;
         Pose(const BsdfParameters&, const Vec3& ng, const Vec3& ns, const Vec3& wo, Transport) noexcept;
     };
-    Bsdf(const BsdfParameters&, const Pose&, const Vec3& wo, Transport) noexcept;
+    Bsdf(const BsdfParameters&, const SharedClosure&, const Pose&, const Vec3& wo, Transport, Densities) noexcept;
     static Frame frameAbout(const Vec3& n, const BsdfParameters&) noexcept;
     bool sides(const Vec3& wi, const Vec3& local) const noexcept;
+    BsdfValue matt(const Vec3& wi, float cosine) const noexcept;
     BsdfValue evaluateAdjoint(const Vec3& wi, Terms) const noexcept;
     std::optional<BsdfSample> sampleAdjoint(const LobeSample&) const noexcept;
     float correction(const Vec3& wi) const noexcept;
@@ -94,12 +107,14 @@ private:
 
     Frame frame_; // about the shading normal, z on the side of wo
     Vec3 ng_;     // on the side of wo
+    Densities densities_ = Densities::both;
     std::optional<Adjoint> adjoint_;
     LobeStack lobes_;
 };
 
 // The closure at a hit: textures read, normal map applied, back faces turned. footprint: of the ray that came.
-Bsdf shade(const Scene&, const SurfacePoint&, const Vec3& wo, const Footprint&, Wavelengths&, Transport = Transport::radiance) noexcept;
+Bsdf shade(const Scene&, const SurfacePoint&, const Vec3& wo, const Footprint&, Wavelengths&, Transport = Transport::radiance,
+           Densities = Densities::both) noexcept;
 
 // What the inside of a solid lets through over a segment that leaves `from` towards wi and ends after distance metres at `to` (null: none).
 // KHR_materials_volume: T = attenuationColor^(distance / attenuationDistance). The medium is that behind the back face at either end, so a

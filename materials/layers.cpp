@@ -13,7 +13,7 @@ float coatFresnel(float c) noexcept { return fresnelDielectric(c, coatIor); }
 
 } // namespace
 
-Layers::Layers(const BsdfParameters& p, const Lobes& base, const Vec3& coatNormal, bool outside) noexcept
+Layers::Layers(const BsdfParameters& p, const Lobes& base, const Vec3& coatNormal, bool outside, const Spectrum* scale) noexcept
     : coat_(clamp01(p.clearcoat)), outside_(outside), twoSided_(p.thin || (p.transmission <= 0 && p.diffuseTransmission <= 0)),
       aligned_(coat_ == 0 || coatNormal == Vec3{0, 0, 1}), coatFrame_(Frame::about(aligned_ ? Vec3{0, 0, 1} : coatNormal)) {
     if (coat_ > 0) {
@@ -32,7 +32,10 @@ Layers::Layers(const BsdfParameters& p, const Lobes& base, const Vec3& coatNorma
     wo_ = base.wo();
     o_ = facing(wo_);
     chancesO_ = chances(o_, base.energyO());
-    if (base.diffuse()) balanceDiffuse(base);
+    if (scale && aligned_)
+        diffuseScale_ = *scale;
+    else if (base.mixture().diffuse())
+        balanceDiffuse(base);
 }
 
 Layers::Facing Layers::facing(const Vec3& w) const noexcept {
@@ -70,7 +73,7 @@ void Layers::balanceDiffuse(const Lobes& base) noexcept {
     for (std::size_t i = 0; i < nodes.x.size(); ++i) {
         const float mu = nodes.x[i], weight = 2 * mu * nodes.w[i];
         const Vec3 w{std::sqrt(1 - mu * mu), 0, outside_ || twoSided_ ? mu : -mu};
-        const Spectrum open = base.open(w) * weight;
+        const Spectrum open = base.mixture().open(w) * weight;
         own += open;
         both += open * facing(w).open;
     }
@@ -93,11 +96,11 @@ void Layers::addSheen(const Vec3& wi, const Facing& i, const Chances& chancesI, 
     v.pdfReverseW += chancesI.sheen * uniformHemispherePdfW<float>();
 }
 
-LobeValue Layers::evaluate(const Lobes& base, const Vec3& wi) const noexcept {
+LobeValue Layers::evaluate(const Lobes& base, const Vec3& wi, Densities densities) const noexcept {
     if (wi.z == 0) return {};
-    LobeValue v = base.evaluate(wi);
+    LobeValue v = base.evaluate(wi, densities);
     const Facing i = facing(wi);
-    const Chances chancesI = chances(i, v.energyI > 0 ? v.energyI : base.energyFrom(wi));
+    const Chances chancesI = densities == Densities::both ? chances(i, v.energyI > 0 ? v.energyI : base.energyFrom(wi)) : Chances{};
     const bool bothCovered = o_.covered && i.covered;
     v.diffuse *= bothCovered && aligned_ ? diffuseScale_ * (o_.open * i.open) : Spectrum(between(i));
     v.glossy *= between(i);
@@ -118,10 +121,10 @@ Spectrum Layers::coatMirror() const noexcept {
     return Spectrum(coat_ * coatFresnel(c) * std::min(1.f, wi.z / c) * std::min(1.f, c / wo_.z));
 }
 
-LobeSample Layers::under(const Lobes& base, const LobeSample& s) const noexcept {
+LobeSample Layers::under(const Lobes& base, const LobeSample& s, Densities densities) const noexcept {
     LobeSample r = s;
     const Facing i = facing(s.wi);
-    const Chances chancesI = chances(i, base.energyFrom(s.wi));
+    const Chances chancesI = densities == Densities::both ? chances(i, base.energyFrom(s.wi)) : Chances{};
     r.weight *= between(i);
     r.pmf *= chancesO_.base;
     r.pmfReverse *= chancesI.base;
@@ -134,20 +137,20 @@ LobeSample Layers::under(const Lobes& base, const LobeSample& s) const noexcept 
     return r;
 }
 
-LobeSample Layers::mirror(const Lobes& base) const noexcept {
+LobeSample Layers::mirror(const Lobes& base, Densities densities) const noexcept {
     LobeSample m{reflect(wo_, coatFrame_.z), Event::SR};
     if (aligned_) return m; // with that of the base
     m.weight = coatMirror();
     m.pmf = chancesO_.coat;
-    m.pmfReverse = chances(facing(m.wi), base.energyFrom(m.wi)).coat;
+    if (densities == Densities::both) m.pmfReverse = chances(facing(m.wi), base.energyFrom(m.wi)).coat;
     return m;
 }
 
-std::optional<LobeSample> Layers::sample(const Lobes& base, float uLobe, Point2 u) const noexcept {
+std::optional<LobeSample> Layers::sample(const Lobes& base, float uLobe, Point2 u, Densities densities) const noexcept {
     const Chances& c = chancesO_;
     if (uLobe < c.coat) {
         if (!coatRough_) {
-            const LobeSample m = aligned_ ? under(base, base.mirror()) : mirror(base);
+            const LobeSample m = aligned_ ? under(base, base.mirror(), densities) : mirror(base, densities);
             return black(m.weight) ? std::nullopt : std::optional(m);
         }
         const Ggx<float> g{coatAlpha_, coatAlpha_};
@@ -157,8 +160,8 @@ std::optional<LobeSample> Layers::sample(const Lobes& base, float uLobe, Point2 
     }
     if (uLobe < c.coat + c.sheen) return LobeSample{uniformHemisphere(u), Event::GR};
     if (!(c.base > 0)) return {};
-    const std::optional<LobeSample> s = base.sample(std::min((uLobe - c.coat - c.sheen) / c.base, oneMinusEpsilon), u);
-    return s && s->delta() ? std::optional(under(base, *s)) : s;
+    const std::optional<LobeSample> s = base.sample(std::min((uLobe - c.coat - c.sheen) / c.base, oneMinusEpsilon), u, densities);
+    return s && s->delta() ? std::optional(under(base, *s, densities)) : s;
 }
 
 Spectrum Layers::albedo(const Lobes& base) const noexcept {

@@ -16,17 +16,26 @@
 
 namespace chiaro {
 
+// What closures share that are made from the same parameters, wherever they look: it lives longer than they do.
+struct SharedClosure {
+    const LobeMixture* mixture = nullptr;   // null: to be made
+    const Spectrum* diffuseScale = nullptr; // Layers::diffuseScale() of a coat about the surface's own normal; null: to be found
+};
+
 class Layers {
 public:
     // coatNormal: in the local frame, on the side of wo.
-    Layers(const BsdfParameters&, const Lobes& base, const Vec3& coatNormal, bool outside) noexcept;
+    Layers(const BsdfParameters&, const Lobes& base, const Vec3& coatNormal, bool outside, const Spectrum* diffuseScale) noexcept;
 
-    LobeValue evaluate(const Lobes& base, const Vec3& wi) const noexcept;
-    std::optional<LobeSample> sample(const Lobes& base, float uLobe, Point2 u) const noexcept;
+    LobeValue evaluate(const Lobes& base, const Vec3& wi, Densities) const noexcept;
+    std::optional<LobeSample> sample(const Lobes& base, float uLobe, Point2 u, Densities) const noexcept;
     // A delta lobe of the base as the layers leave it; with the coat's own mirror where they are one.
-    LobeSample under(const Lobes& base, const LobeSample&) const noexcept;
+    LobeSample under(const Lobes& base, const LobeSample&, Densities) const noexcept;
     // The coat's mirror where it is one of its own.
-    LobeSample mirror(const Lobes& base) const noexcept;
+    LobeSample mirror(const Lobes& base, Densities) const noexcept;
+    // Of t(wo) t(wi) over a diffuse base; the same from all directions.
+    const Spectrum& diffuseScale() const noexcept { return diffuseScale_; }
+    bool aligned() const noexcept { return aligned_; }
     bool smooth() const noexcept { return sheen_ || (coat_ > 0 && coatRough_); }
     Spectrum albedo(const Lobes& base) const noexcept;
     float open() const noexcept { return o_.open; } // t(wo)
@@ -64,28 +73,38 @@ private:
 
 class LobeStack {
 public:
-    LobeStack() = default;
-    LobeStack(const BsdfParameters& p, const Vec3& wo, const Vec3& coatNormal, bool outside, Transport transport) noexcept
-        : lobes_(p, wo, outside, transport) {
+    LobeStack(const BsdfParameters& p, const Vec3& wo, const Vec3& coatNormal, bool outside, Transport transport,
+              const SharedClosure& shared = {}) noexcept
+        : lobes_(shared.mixture ? Lobes(*shared.mixture, wo, outside, transport) : Lobes(p, wo, outside, transport)) {
         if (p.layered()) [[unlikely]]
-            layers_.emplace(p, lobes_, coatNormal, outside);
+            layers_.emplace(p, lobes_, coatNormal, outside, shared.diffuseScale);
     }
-    LobeValue evaluate(const Vec3& wi) const noexcept { return layers_ ? layers_->evaluate(lobes_, wi) : lobes_.evaluate(wi); }
-    std::optional<LobeSample> sample(float uLobe, Point2 u) const noexcept {
-        return layers_ ? layers_->sample(lobes_, uLobe, u) : lobes_.sample(uLobe, u);
+    LobeValue evaluate(const Vec3& wi, Densities d) const noexcept {
+        return layers_ ? layers_->evaluate(lobes_, wi, d) : lobes_.evaluate(wi, d);
     }
+    std::optional<LobeSample> sample(float uLobe, Point2 u, Densities d) const noexcept {
+        return layers_ ? layers_->sample(lobes_, uLobe, u, d) : lobes_.sample(uLobe, u, d);
+    }
+    const LobeMixture& mixture() const noexcept { return lobes_.mixture(); }
+    // Of layers about the surface's own normal; null: there are none.
+    const Spectrum* diffuseScale() const noexcept { return layers_ && layers_->aligned() ? &layers_->diffuseScale() : nullptr; }
+    bool matt() const noexcept { return lobes_.matt() && !layers_; } // diffuse and nothing else
+    Spectrum mattF() const noexcept { return lobes_.mattF(); }
+    const Vec3& wo() const noexcept { return lobes_.wo(); }
     bool smooth() const noexcept { return lobes_.smooth() || (layers_ && layers_->smooth()); }
     Spectrum albedo() const noexcept { return layers_ ? layers_->albedo(lobes_) : lobes_.albedo(); }
     Spectrum diffuseAlbedo() const noexcept { return layers_ ? lobes_.diffuseAlbedo() * layers_->open() : lobes_.diffuseAlbedo(); }
-    // visit(LobeSample) for every delta lobe that is not black.
+    // visit(LobeSample) for every delta lobe that is not black; without the densities of the reverse.
     template <class Visit> void forEachDelta(const Visit& visit) const {
+        if (!lobes_.mixture().hasDelta() && !layers_) return;
+        constexpr Densities forward = Densities::forward;
         const auto give = [&](const LobeSample& s) {
-            if (const LobeSample d = layers_ ? layers_->under(lobes_, s) : s; !black(d.weight)) visit(d);
+            if (const LobeSample d = layers_ ? layers_->under(lobes_, s, forward) : s; !black(d.weight)) visit(d);
         };
         give(lobes_.mirror());
         if (layers_)
-            if (const LobeSample coat = layers_->mirror(lobes_); !black(coat.weight)) visit(coat);
-        for (int k = 0; k < lobes_.passages(); ++k) give(lobes_.passed(k));
+            if (const LobeSample coat = layers_->mirror(lobes_, forward); !black(coat.weight)) visit(coat);
+        for (int k = 0; k < lobes_.passages(); ++k) give(lobes_.passed(forward, k));
     }
 
 private:

@@ -26,13 +26,8 @@
 // normal, and reflection or transmission by what each returns there. One random number decides both choices, undisturbed.
 #pragma once
 #include "core/render/events.h"
-#include "materials/albedo_tables.h"
-#include "materials/lobe_tables.h"
-#include "materials/lobe_weights.h"
-#include "materials/microfacet.h"
-#include "materials/parameters.h"
-#include "materials/thin_film.h"
-#include <memory>
+#include "core/render/fault.h"
+#include "materials/mixture.h"
 #include <optional>
 
 namespace chiaro {
@@ -54,116 +49,64 @@ struct LobeSample {
 
 class Lobes {
 public:
-    static constexpr float smallestAlpha = 1e-3f;
+    static constexpr float smallestAlpha = LobeMixture::smallestAlpha;
 
-    Lobes() noexcept {} // scatters nothing
     // outside: wo is on the front side of the surface.
-    Lobes(const BsdfParameters&, const Vec3& wo, bool outside, Transport) noexcept;
+    Lobes(const BsdfParameters& p, const Vec3& wo, bool outside, Transport transport) noexcept : Lobes(wo, outside, transport) {
+        face(own_.emplace(p));
+    }
+    // Of a mixture that lives longer.
+    Lobes(const LobeMixture& mixture, const Vec3& wo, bool outside, Transport transport) noexcept : Lobes(wo, outside, transport) {
+        shared_ = &mixture;
+        face(mixture);
+    }
 
-    LobeValue evaluate(const Vec3& wi) const noexcept;
+    // Densities::forward: no pdfReverseW, pmfReverse and energyI.
+    LobeValue evaluate(const Vec3& wi, Densities) const noexcept;
     // A direction of one of the lobes; for a smooth one only wi and event are set, evaluate() says the rest.
-    std::optional<LobeSample> sample(float uLobe, Point2 u) const noexcept;
+    std::optional<LobeSample> sample(float uLobe, Point2 u, Densities) const noexcept;
     // The mirror and the transmitted directions, weighted by reflectance; no dice. Black where there is no such lobe.
     LobeSample mirror() const noexcept;
-    int passages() const noexcept { return dispersion_ > 0 ? 3 : 1; } // one for each channel
-    LobeSample passed(int passage = 0) const noexcept;
+    int passages() const noexcept { return mixture().passages(); } // one for each channel
+    LobeSample passed(Densities, int passage = 0) const noexcept;
 
-    bool smooth() const noexcept { return cosines_ || (rough_ && (reflects_ || passes_ == Passes::rough)); }
+    const LobeMixture& mixture() const noexcept { return shared_ ? *shared_ : *own_; }
+    bool matt() const noexcept { return mixture().matt_; } // diffuse and nothing else
+    Spectrum mattF() const noexcept { return mixture().diffuseColor_ * ((fault(Fault::diffuseBias) ? 1.01f : 1.f) / pi); }
+    bool smooth() const noexcept { return mixture().smooth(); }
     Spectrum albedo() const noexcept;
-    Spectrum diffuseAlbedo() const noexcept { return diffuseColor_ * o_.open; } // of what stays on the side of wo
-    Spectrum open(const Vec3& w) const noexcept;                                // what the coat leaves to the diffuse base
-    bool diffuse() const noexcept { return diffuseLobe_ || through_; }
+    Spectrum diffuseAlbedo() const noexcept { return mixture().diffuseColor_ * o_.open; } // of what stays on the side of wo
     float energyO() const noexcept { return o_.energy; }
-    float energyFrom(const Vec3& wi) const noexcept { return facing(wi, wi.z > 0 || thin_ ? outside_ : !outside_).energy; }
+    float energyFrom(const Vec3& wi) const noexcept {
+        return mixture().facing(wi, wi.z > 0 || mixture().thin_ ? outside_ : !outside_, Densities::both).energy;
+    }
     const Vec3& wo() const noexcept { return wo_; }
 
 private:
-    using Passes = LobeWeights::Passes;
-    // Fresnel-weighted colours of reflection and transmission at one cosine.
-    struct Split {
-        Spectrum r, t;
-    };
-    // What the mixture is from one direction.
-    struct Facing {
-        float mu = 1;
-        bool outside = true;
-        Spectrum open{1};             // 1 - E of the coat
-        float loss = 0;               // 1 - E of a white facet
-        Spectrum glassLoss{0};        // of solid glass
-        float spread = 0, beyond = 0; // chance of the cosine lobes; of the other side, given them
-        float energy = 0;             // estimate of the albedo
-    };
-    Facing facing(const Vec3& w, bool outside) const noexcept;
-    void weighChoices(Facing&) const noexcept;
-    void addFurther(const BsdfParameters&, const LobeWeights&) noexcept;
-    void addFilm(const BsdfParameters&) noexcept;
-    void compensate(const BsdfParameters&) noexcept;
-    void compensateGlass() noexcept;
-    Spectrum dielectric(float shape) const noexcept;
-    Spectrum openMean() const noexcept;
-    float whiteAlbedo(const Vec3& w) const noexcept;
-    float whiteAverage() const noexcept;
-    Spectrum reflectedByCoat(const LayerAlbedo&, const Spectrum& underFilm) const noexcept;
-    Spectrum squaredIors(bool outside) const noexcept;
-    template <class Loss> Spectrum eachGlass(const Loss&) const noexcept;
-    Split split(float cosTheta, bool outside) const noexcept { return split(cosTheta, outside, iors_); }
-    Split split(float cosTheta, bool outside, const Spectrum& iors) const noexcept;
-    Split splitAt(float cosTheta, bool outside, float ior) const noexcept;
-    float reflectionChance(const Split&) const noexcept;
-    void addReflection(const Vec3& wi, const Facing&, LobeValue&) const noexcept;
-    void addPane(const Vec3& wi, const Facing&, LobeValue&) const noexcept;
-    void addRefraction(const Vec3& wi, const Facing&, LobeValue&) const noexcept;
-    void addLaterFacets(const Facing&, bool reflection, LobeValue&) const noexcept;
-    void addDiffuse(const Facing&, bool reflection, LobeValue&) const noexcept;
-    float deltaChance(const Split&) const noexcept;
-    LobeSample parted(int channel, float place, const Split&) const noexcept;
-    std::optional<LobeSample> sampleParted(float uLobe, Point2 u) const noexcept;
-    Ggx<float> ggx() const noexcept { return {alphaX_, alphaY_}; }
-    float etaO() const noexcept { return outside_ ? 1 : ior_; }
-    float etaI() const noexcept { return outside_ ? ior_ : 1; }
+    using Mixture = LobeMixture;
+    using Passes = LobeMixture::Passes;
+    using Facing = LobeMixture::Facing;
+    using Split = LobeMixture::Split;
+    Lobes(const Vec3& wo, bool outside, Transport transport) noexcept
+        : wo_{wo.x, wo.y, std::max(wo.z, 1e-7f)}, transport_(transport), outside_(outside) {}
+    void face(const Mixture& m) noexcept { o_ = m.facing(wo_, outside_, Densities::both); }
+    void addReflection(const Mixture&, const Vec3& wi, const Facing&, Densities, LobeValue&) const noexcept;
+    void addPane(const Mixture&, const Vec3& wi, const Facing&, LobeValue&) const noexcept;
+    void addRefraction(const Mixture&, const Vec3& wi, const Facing&, Densities, LobeValue&) const noexcept;
+    void addLaterFacets(const Mixture&, const Facing&, bool reflection, LobeValue&) const noexcept;
+    void addDiffuse(const Mixture&, const Facing&, bool reflection, LobeValue&) const noexcept;
+    float deltaChance(const Mixture&, const Split&) const noexcept;
+    LobeSample parted(int channel, float place, const Split&, Densities) const noexcept;
+    std::optional<LobeSample> sampleParted(float uLobe, Point2 u, Densities) const noexcept;
+    float etaO() const noexcept { return outside_ ? 1 : mixture().ior_; }
+    float etaI() const noexcept { return outside_ ? mixture().ior_ : 1; }
 
+    const Mixture* shared_ = nullptr; // null: own_
     Vec3 wo_{0, 0, 1};
-    float alphaX_ = 0, alphaY_ = 0, alpha_ = 0, ior_ = 1.5f;
-    float metallic_ = 0, coat_ = 0, glass_ = 0; // weights of the three materials
-    Spectrum metalColor_{0};                    // times its weight
-    Spectrum f0_{0};                            // of the dielectric
-    float f90_ = 0;
-    Spectrum diffuseColor_{0}; // times its weight
-    Spectrum tint_{0};         // of the glass, times its weight
-    Spectrum openAverage_{1};  // 1 - Eavg
-    Facing o_;
-    AlbedoSlice slice_;
-    Passes passes_ = Passes::none;
     Transport transport_ = Transport::radiance;
-    bool outside_ = true, thin_ = true, rough_ = false, reflects_ = false, coated_ = false, diffuseLobe_ = false;
-    bool cosines_ = false, through_ = false, compensated_ = false, losesGlass_ = false, brushed_ = false, film_ = false;
-    float dispersion_ = 0;
-    Spectrum iors_{1.5f};
-
-    // Of the further lobes: begun only where there are any, so that plain ones need not clear it.
-    struct Further {
-        Spectrum throughColor;                // of the diffuse light that leaves on the other side, times its weight
-        Spectrum laterReflected, laterPassed; // factors of L(wo) L(wi): metal and pane
-        Spectrum laterGlass;                  // of solid glass, without n_o^2
-        Spectrum glassF0;                     // of the curve that its losses are taken under
-        float laterMean, glassOutside;        // pi times the mean loss; the share of the glass's later light that leaves it
-        float glassBrush;                     // mean loss of the brush over that of the round lobe
-        float filmWeight;
-        Spectrum metalF0;
-        ThinFilm film;
-        CurveAlbedo curveAlbedo;
-        CurveAlbedo::Curve coatCurve, metalCurve; // Fresnel terms under the film, at the nodes
-        BrushedSlice brush;
-        GlassLoss glassLoss[3]; // one for each channel where colours part, else the first
-    };
-    union {
-        Further x_;
-    };
-    bool further_ = false; // x_ is begun
-    void beginFurther() noexcept {
-        if (!further_) std::construct_at(&x_);
-        further_ = true;
-    }
+    bool outside_ = true;
+    Facing o_;
+    std::optional<Mixture> own_;
 };
 
 } // namespace chiaro

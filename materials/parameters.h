@@ -5,6 +5,8 @@
 namespace chiaro {
 
 enum class Transport : uint8_t { radiance, importance };
+// Which densities are asked for: of the direction that was taken, or of its reverse too, which methods that connect two walks weigh by.
+enum class Densities : uint8_t { forward, both };
 
 // The parameters of the closure after all textures were read: what a material says about one point. Vectors are in world space, on the
 // front side of the surface.

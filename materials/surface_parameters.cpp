@@ -72,6 +72,8 @@ bool hasFurtherLobes(const MaterialDesc& m) noexcept {
            m.specularGlossiness;
 }
 
+bool hasInside(const MaterialDesc& m) noexcept { return m.volume && (m.transmission > 0 || m.diffuseTransmission > 0) && m.metallic < 1; }
+
 BsdfParameters surfaceParameters(const SlotReader& read, const MaterialDesc& m, const SurfacePoint& s) noexcept {
     BsdfParameters p;
     if (m.unlit) {

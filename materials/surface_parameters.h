@@ -15,4 +15,7 @@ BsdfParameters surfaceParameters(const SlotReader&, const MaterialDesc&, const S
 // a reflectance of its own? Loops over lanes and tables of plain materials leave such to the closure.
 bool hasFurtherLobes(const MaterialDesc&) noexcept;
 
+// Is there an inside, which light can be in?
+bool hasInside(const MaterialDesc&) noexcept;
+
 } // namespace chiaro

@@ -50,7 +50,7 @@ WideMaterials::WideMaterials(const Scene& scene) {
         flag(WideMaterial::emits, m.unlit || !black(m.emission));
         flag(WideMaterial::askEmission, m.unlit || m.emissionTexture.texture >= 0);
         flag(WideMaterial::doubleSided, m.doubleSided || m.unlit || fault(Fault::lampTwoSided));
-        const bool inside = m.volume && (m.transmission > 0 || m.diffuseTransmission > 0) && m.metallic < 1;
+        const bool inside = hasInside(m);
         flag(WideMaterial::volume, inside);
         volumes_ |= inside;
         flag(WideMaterial::absorbs, inside && std::isfinite(m.attenuationDistance) && m.attenuationDistance > 0);

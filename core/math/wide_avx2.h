@@ -52,6 +52,13 @@ struct Float {
 struct Long { // 64 bits a lane, four lanes a register
     __m256i q[4];
 };
+struct Double {
+    __m256d q[4];
+    CHIARO_LANE Double() noexcept {}
+    CHIARO_LANE Double(double x) noexcept {
+        for (__m256d& v : q) v = _mm256_set1_pd(x);
+    }
+};
 
 CHIARO_LANE Mask operator&(Mask x, Mask y) noexcept { return {_mm256_and_si256(x.a, y.a), _mm256_and_si256(x.b, y.b)}; }
 CHIARO_LANE Mask operator|(Mask x, Mask y) noexcept { return {_mm256_or_si256(x.a, y.a), _mm256_or_si256(x.b, y.b)}; }
@@ -289,6 +296,74 @@ CHIARO_LANE Long operator*(Long x, uint64_t k) noexcept {
         q = _mm256_add_epi64(_mm256_mul_epu32(q, l), _mm256_slli_epi64(across, 32));
     }
     return x;
+}
+
+CHIARO_LANE Double toDouble(Float x) noexcept {
+    Double d;
+    d.q[0] = _mm256_cvtps_pd(_mm256_castps256_ps128(x.a)), d.q[1] = _mm256_cvtps_pd(_mm256_extractf128_ps(x.a, 1));
+    d.q[2] = _mm256_cvtps_pd(_mm256_castps256_ps128(x.b)), d.q[3] = _mm256_cvtps_pd(_mm256_extractf128_ps(x.b, 1));
+    return d;
+}
+CHIARO_LANE Double toDouble(Int x) noexcept { // unsigned
+    Double d;
+    const auto half = [](__m256i v, __m256d& l, __m256d& h) {
+        const __m256i turned = _mm256_xor_si256(v, _mm256_set1_epi32(int(0x80000000u)));
+        const __m256d back = _mm256_set1_pd(0x1p31);
+        l = _mm256_add_pd(_mm256_cvtepi32_pd(_mm256_castsi256_si128(turned)), back);
+        h = _mm256_add_pd(_mm256_cvtepi32_pd(_mm256_extracti128_si256(turned, 1)), back);
+    };
+    half(x.a, d.q[0], d.q[1]);
+    half(x.b, d.q[2], d.q[3]);
+    return d;
+}
+CHIARO_LANE Float toFloat(Double x) noexcept {
+    const auto half = [](__m256d l, __m256d h) {
+        return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm256_cvtpd_ps(l)), _mm256_cvtpd_ps(h), 1);
+    };
+    return {half(x.q[0], x.q[1]), half(x.q[2], x.q[3])};
+}
+CHIARO_LANE Double operator+(Double x, Double y) noexcept {
+    for (int i = 0; i < 4; ++i) x.q[i] = _mm256_add_pd(x.q[i], y.q[i]);
+    return x;
+}
+CHIARO_LANE Double operator-(Double x, Double y) noexcept {
+    for (int i = 0; i < 4; ++i) x.q[i] = _mm256_sub_pd(x.q[i], y.q[i]);
+    return x;
+}
+CHIARO_LANE Double operator*(Double x, Double y) noexcept {
+    for (int i = 0; i < 4; ++i) x.q[i] = _mm256_mul_pd(x.q[i], y.q[i]);
+    return x;
+}
+CHIARO_LANE Double operator/(Double x, Double y) noexcept {
+    for (int i = 0; i < 4; ++i) x.q[i] = _mm256_div_pd(x.q[i], y.q[i]);
+    return x;
+}
+CHIARO_LANE Double min(Double x, Double y) noexcept {
+    for (int i = 0; i < 4; ++i) x.q[i] = _mm256_min_pd(y.q[i], x.q[i]);
+    return x;
+}
+template <int how> CHIARO_LANE Mask compare(Double x, Double y) noexcept {
+    Long all;
+    for (int i = 0; i < 4; ++i) all.q[i] = _mm256_castpd_si256(_mm256_cmp_pd(x.q[i], y.q[i], how));
+    const Int each = low(all);
+    return {each.a, each.b};
+}
+CHIARO_LANE Mask operator<(Double x, Double y) noexcept { return compare<_CMP_LT_OQ>(x, y); }
+CHIARO_LANE Mask operator>(Double x, Double y) noexcept { return compare<_CMP_GT_OQ>(x, y); }
+CHIARO_LANE Mask operator>=(Double x, Double y) noexcept { return compare<_CMP_GE_OQ>(x, y); }
+CHIARO_LANE Double select(Mask m, Double yes, Double no) noexcept {
+    const __m128i quarter[4] = {_mm256_castsi256_si128(m.a), _mm256_extracti128_si256(m.a, 1), _mm256_castsi256_si128(m.b),
+                                _mm256_extracti128_si256(m.b, 1)};
+    for (int i = 0; i < 4; ++i) no.q[i] = _mm256_blendv_pd(no.q[i], yes.q[i], _mm256_castsi256_pd(_mm256_cvtepi32_epi64(quarter[i])));
+    return no;
+}
+
+// For what has eight parts: two of them side by side, and of lanes the two 2 k and 2 k + 1, eight times each.
+CHIARO_LANE Float eightAndEight(const float* x, const float* y) noexcept { return {_mm256_loadu_ps(x), _mm256_loadu_ps(y)}; }
+CHIARO_LANE Float twoByEight(Float x, uint32_t k) noexcept {
+    const __m256 half = k < 4 ? x.a : x.b;
+    const int at = int(2 * k & 7);
+    return {_mm256_permutevar8x32_ps(half, _mm256_set1_epi32(at)), _mm256_permutevar8x32_ps(half, _mm256_set1_epi32(at + 1))};
 }
 
 } // namespace chiaro::avx2

@@ -35,6 +35,12 @@ struct Float {
 struct Long { // 64 bits a lane: the first eight lanes, the last eight
     __m512i a, b;
 };
+struct Double { // likewise
+    __m512d a, b;
+    CHIARO_LANE Double() noexcept {}
+    CHIARO_LANE Double(__m512d x, __m512d y) noexcept : a(x), b(y) {}
+    CHIARO_LANE Double(double x) noexcept : a(_mm512_set1_pd(x)), b(a) {}
+};
 
 CHIARO_LANE Mask operator&(Mask a, Mask b) noexcept { return Mask(uint32_t(a.m & b.m)); }
 CHIARO_LANE Mask operator|(Mask a, Mask b) noexcept { return Mask(uint32_t(a.m | b.m)); }
@@ -176,6 +182,39 @@ CHIARO_LANE Long operator+(Long x, Long y) noexcept { return {_mm512_add_epi64(x
 CHIARO_LANE Long operator*(Long x, uint64_t k) noexcept {
     const __m512i f = _mm512_set1_epi64(int64_t(k));
     return {_mm512_mullo_epi64(x.a, f), _mm512_mullo_epi64(x.b, f)};
+}
+
+CHIARO_LANE Double toDouble(Float x) noexcept {
+    return {_mm512_cvtps_pd(_mm512_castps512_ps256(x.v)), _mm512_cvtps_pd(_mm512_extractf32x8_ps(x.v, 1))};
+}
+CHIARO_LANE Double toDouble(Int x) noexcept { // unsigned
+    return {_mm512_cvtepu32_pd(_mm512_castsi512_si256(x.v)), _mm512_cvtepu32_pd(_mm512_extracti32x8_epi32(x.v, 1))};
+}
+CHIARO_LANE Float toFloat(Double x) noexcept {
+    return _mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(x.a)), _mm512_cvtpd_ps(x.b), 1);
+}
+CHIARO_LANE Double operator+(Double x, Double y) noexcept { return {_mm512_add_pd(x.a, y.a), _mm512_add_pd(x.b, y.b)}; }
+CHIARO_LANE Double operator-(Double x, Double y) noexcept { return {_mm512_sub_pd(x.a, y.a), _mm512_sub_pd(x.b, y.b)}; }
+CHIARO_LANE Double operator*(Double x, Double y) noexcept { return {_mm512_mul_pd(x.a, y.a), _mm512_mul_pd(x.b, y.b)}; }
+CHIARO_LANE Double operator/(Double x, Double y) noexcept { return {_mm512_div_pd(x.a, y.a), _mm512_div_pd(x.b, y.b)}; }
+CHIARO_LANE Double min(Double x, Double y) noexcept { return {_mm512_min_pd(y.a, x.a), _mm512_min_pd(y.b, x.b)}; }
+template <int how> CHIARO_LANE Mask compare(Double x, Double y) noexcept {
+    return Mask(uint32_t(_mm512_cmp_pd_mask(x.a, y.a, how)) | uint32_t(_mm512_cmp_pd_mask(x.b, y.b, how)) << 8);
+}
+CHIARO_LANE Mask operator<(Double x, Double y) noexcept { return compare<_CMP_LT_OQ>(x, y); }
+CHIARO_LANE Mask operator>(Double x, Double y) noexcept { return compare<_CMP_GT_OQ>(x, y); }
+CHIARO_LANE Mask operator>=(Double x, Double y) noexcept { return compare<_CMP_GE_OQ>(x, y); }
+CHIARO_LANE Double select(Mask m, Double yes, Double no) noexcept {
+    return {_mm512_mask_blend_pd(__mmask8(m.m), no.a, yes.a), _mm512_mask_blend_pd(__mmask8(m.m >> 8), no.b, yes.b)};
+}
+
+// For what has eight parts: two of them side by side, and of lanes the two 2 k and 2 k + 1, eight times each.
+CHIARO_LANE Float eightAndEight(const float* x, const float* y) noexcept {
+    return _mm512_insertf32x8(_mm512_castps256_ps512(_mm256_loadu_ps(x)), _mm256_loadu_ps(y), 1);
+}
+CHIARO_LANE Float twoByEight(Float x, uint32_t k) noexcept {
+    const __m512i at = _mm512_inserti32x8(_mm512_set1_epi32(int(2 * k)), _mm256_set1_epi32(int(2 * k + 1)), 1);
+    return _mm512_permutexvar_ps(at, x.v);
 }
 
 } // namespace chiaro::avx512

@@ -1,8 +1,10 @@
 #include "core/render/film.h"
+#include "core/math/wide_isa.h"
 #include "core/render/fault.h"
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <immintrin.h>
 #include <tuple>
 
 namespace chiaro {
@@ -24,9 +26,17 @@ struct ShortSums {
     static constexpr std::size_t most = 32;
     static constexpr float limit = 0x1p9f;
     int64_t light[2][3] = {}, aovs[3 * aovCount] = {};
+    static constexpr double magic = 0x1.8p52; // plus an integer below 2^51: rounds to nearest, ties to even, and shows the integer
     // False where a sample is too bright, or not finite.
     bool add(std::span<const Outputs> outs, uint32_t first) noexcept {
-        constexpr double magic = 0x1.8p52; // plus an integer below 2^51: rounds to nearest, ties to even, and shows the integer in its bits
+        if (!addWidest(*this, outs, first)) return false;
+        for (int64_t& a : aovs) a -= int64_t(uint64_t(outs.size()) * std::bit_cast<uint64_t>(magic));
+        return true;
+    }
+
+private:
+    // With the magic numbers still in.
+    bool addMagic(std::span<const Outputs> outs, uint32_t first) noexcept {
         for (std::size_t k = 0; k < outs.size(); ++k) {
             const Outputs& out = outs[k];
             int64_t(&sum)[3] = light[(first + k) & 1];
@@ -43,9 +53,33 @@ struct ShortSums {
                 }
             if (!good) return false;
         }
-        for (int64_t& a : aovs) a -= int64_t(uint64_t(outs.size()) * std::bit_cast<uint64_t>(magic));
         return true;
     }
+    static bool addPlain(ShortSums& s, std::span<const Outputs> outs, uint32_t first) noexcept { return s.addMagic(outs, first); }
+    // The same bits, a sample's numbers side by side.
+    CHIARO_TARGET_AVX512 static bool addAvx512(ShortSums& s, std::span<const Outputs> outs, uint32_t first) noexcept {
+        static_assert(sizeof(Outputs::aovs) == 6 * sizeof(float) && sizeof(Spectrum) == 3 * sizeof(float));
+        __m512i six = _mm512_setzero_si512();
+        __m256i three[2] = {_mm256_setzero_si256(), _mm256_setzero_si256()};
+        const __m256 one = _mm256_set1_ps(1), minus = _mm256_set1_ps(-1), most6 = _mm256_set1_ps(fixedLimit), sign8 = _mm256_set1_ps(-0.f);
+        const __m128 most3 = _mm_set1_ps(limit), sign4 = _mm_set1_ps(-0.f);
+        uint32_t bad = 0;
+        for (std::size_t k = 0; k < outs.size(); ++k) {
+            const __m256 a = _mm256_maskz_loadu_ps(0x3f, outs[k].aovs[0].c.data());
+            const __m128 l = _mm_maskz_loadu_ps(0x7, outs[k].layer[0].c.data());
+            bad |= uint32_t(_mm256_cmp_ps_mask(_mm256_andnot_ps(sign8, a), most6, _CMP_NLT_UQ)) |
+                   uint32_t(_mm_cmp_ps_mask(_mm_andnot_ps(sign4, l), most3, _CMP_NLT_UQ));
+            const __m512d d = _mm512_maskz_cvtps_pd(0xff, _mm256_min_ps(_mm256_max_ps(a, minus), one));
+            const __m512d shown = _mm512_add_pd(_mm512_mul_pd(d, _mm512_set1_pd(aovUnit)), _mm512_set1_pd(magic));
+            six = _mm512_add_epi64(six, _mm512_castpd_si512(shown));
+            __m256i& sum = three[(first + k) & 1];
+            sum = _mm256_add_epi64(sum, _mm256_cvtpd_epi64(_mm256_mul_pd(_mm256_cvtps_pd(l), _mm256_set1_pd(0x1p48))));
+        }
+        _mm512_mask_storeu_epi64(s.aovs, 0x3f, six);
+        for (std::size_t h = 0; h < 2; ++h) _mm256_mask_storeu_epi64(s.light[h], 0x7, three[h]);
+        return bad == 0;
+    }
+    static inline auto* const addWidest = widest(addPlain, addPlain, addAvx512);
 };
 
 } // namespace

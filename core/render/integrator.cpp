@@ -151,13 +151,7 @@ PathStart startPixel(const Job& job, Pixel pixel, uint32_t sample, const Starts&
 }
 
 void forEachBatch(const Job& job, const Pass& pass, Film& film, Batch batch, const Starts& how) {
-    const Rect crop = film.layout().crop;
-    const double area = double(crop.area());
-    const auto tile = [&](Rect t) {
-        TileLoop(job, pass, film, batch, how).run(t);
-        job.progress.advance(double(t.area()) / area);
-    };
-    job.run.tiles(crop, tile, how.whole ? nullptr : &job.stop);
+    forEachTile<TileLoop>(job, pass, film, batch, how);
 }
 
 void CameraIntegrator::radianceWide(const Job& job, std::span<PathStart> starts, std::span<Outputs> outputs) const noexcept {

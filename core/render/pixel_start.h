@@ -25,4 +25,16 @@ inline bool plainStarts(const Job& job, const Starts& how) noexcept {
     return how.pattern.empty() && job.sampler == SamplerKind::sobol && job.view.camera.plain();
 }
 
+// Every tile of the film by a loop of its own, what is done told as it goes.
+template <class Loop, class Batches>
+void forEachTile(const Job& job, const Pass& pass, Film& film, const Batches& batch, const Starts& how) {
+    const Rect crop = film.layout().crop;
+    const double area = double(crop.area());
+    const auto tile = [&](Rect t) {
+        Loop(job, pass, film, batch, how).run(t);
+        job.progress.advance(double(t.area()) / area);
+    };
+    job.run.tiles(crop, tile, how.whole ? nullptr : &job.stop);
+}
+
 } // namespace chiaro

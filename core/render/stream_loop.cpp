@@ -1,6 +1,8 @@
 // forEachStream: the tile loop for integrators that follow streams of paths.
 #include "core/render/pixel_start.h"
 #include "core/render/wide_starts.h"
+#include "core/scene/accel.h"
+#include "core/scene/wide_surfaces.h"
 #include <cstring>
 
 namespace chiaro {
@@ -27,7 +29,8 @@ static_assert(positionDimensions + timeDimensions + lensDimensions == startDimen
 class StreamLoop final : public StartSource {
 public:
     StreamLoop(const Job& job, const Pass& pass, Film& film, StreamBatch batch, const Starts& how)
-        : job_(job), pass_(pass), film_(film), batch_(batch), how_(how), plain_(plainStarts(job, how)) {
+        : job_(job), pass_(pass), film_(film), batch_(batch), how_(how), hierarchy_(WideSurfaces::hierarchy(job.scene)),
+          plain_(plainStarts(job, how)) {
         thread_local const std::unique_ptr<StreamRoom> room(new StreamRoom); // not filled with zeros
         room_ = room.get();
         for (std::size_t k = 0; k < together; ++k) ::new (room_->outputs + k * sizeof(Outputs)) Outputs(film.layout());
@@ -54,8 +57,8 @@ public:
             inRun_ += piece;
             if (inRun_ == run.count) ++run_, inRun_ = 0;
         }
-        if (plain_) plainDirections(room_->waiting, 0, job_.view.filter, job_.view.camera, to.rays);
-        job_.scene.intersect(to.rays, to.hits, to.count, true);
+        if (plain_) plainDirections(room_->waiting, 0, job_.view.filter, job_.view.camera, to.traced.rays);
+        hierarchy_.trace(to.traced, to.count, true);
         given_ += n;
         return true;
     }
@@ -81,7 +84,7 @@ private:
         std::fill_n(to.keyHigh + k, count, uint32_t(key >> 32));
         for (uint32_t i = 0; i < count; ++i) to.sample[k + i] = run.first + from + i;
         if (!plain_) {
-            for (uint32_t i = 0; i < count; ++i) to.rays.set(k + i, pixelStart(job_, run.pixel, run.first + from + i, how_).ray);
+            for (uint32_t i = 0; i < count; ++i) to.traced.rays.set(k + i, pixelStart(job_, run.pixel, run.first + from + i, how_).ray);
             return;
         }
         StartLanes& lanes = room_->waiting;
@@ -91,10 +94,14 @@ private:
         for (uint32_t i = 0; i < count; ++i) lanes.sample[k + i] = run.first + from + i;
         for (const auto& [at, value] : {std::pair{lanes.index, seeds.index}, std::pair{lanes.x, seeds.x}, std::pair{lanes.y, seeds.y}})
             std::fill_n(at + k, count, value);
-        RayPacket& r = to.rays;
+        RayPacket& r = to.traced.rays;
         for (const auto& [at, value] : {std::pair{lanes.centreX, centre.x}, std::pair{lanes.centreY, centre.y}, std::pair{r.ox, o.x},
                                         std::pair{r.oy, o.y}, std::pair{r.oz, o.z}, std::pair{r.tnear, 0.f}, std::pair{r.tfar, infinity}})
             std::fill_n(at + k, count, value);
+        if (how_.time || job_.shutter.close == job_.shutter.open) {
+            std::fill_n(r.time + k, count, how_.time.value_or(job_.shutter.open));
+            return;
+        }
         for (uint32_t i = 0; i < count; ++i) {
             Sampler sampler = run.sampler.at(run.first + from + i);
             sampler.skip(positionDimensions);
@@ -131,6 +138,7 @@ private:
     Film& film_;
     StreamBatch batch_;
     const Starts& how_;
+    const Accel& hierarchy_;
     std::size_t count_ = 0, runCount_ = 0; // gathered
     std::size_t given_ = 0, run_ = 0;      // of which handed out; the run that the next one belongs to
     uint32_t inRun_ = 0;
@@ -141,13 +149,7 @@ private:
 } // namespace
 
 void forEachStream(const Job& job, const Pass& pass, Film& film, StreamBatch batch, const Starts& how) {
-    const Rect crop = film.layout().crop;
-    const double area = double(crop.area());
-    const auto tile = [&](Rect t) {
-        StreamLoop(job, pass, film, batch, how).run(t);
-        job.progress.advance(double(t.area()) / area);
-    };
-    job.run.tiles(crop, tile, how.whole ? nullptr : &job.stop);
+    forEachTile<StreamLoop>(job, pass, film, batch, how);
 }
 
 } // namespace chiaro

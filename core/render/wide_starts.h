@@ -23,8 +23,7 @@ inline constexpr uint32_t startDimensions = 5;
 
 // Sixteen starts, or the last few, with their first hits.
 struct StartPacket {
-    RayPacket rays;
-    HitPacket hits;
+    TracePacket traced;                                                                              // rays and hits
     alignas(64) uint32_t keyLow[RayPacket::size], keyHigh[RayPacket::size], sample[RayPacket::size]; // of the samplers: key(), index()
     uint32_t first = 0, count = 0; // the slots first, first + 1, ... of the SampleLanes are theirs
 };

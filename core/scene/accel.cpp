@@ -1,8 +1,8 @@
 #include "core/scene/accel.h"
 #include "core/math/sampler.h"
-#include "core/math/wide_isa.h"
 #include "core/render/error.h"
 #include "core/render/in_parallel.h"
+#include "core/scene/accel_lanes.h"
 #include "core/scene/accel_record.h"
 #include <bit>
 #include <cstring>
@@ -211,6 +211,8 @@ Accel::Accel(std::span<const Geometry> geometries, std::size_t top, std::span<co
     rtcSetDeviceMemoryMonitorFunction(impl_->device.get(), countBytes, &impl_->bytes);
     impl_->opacity = std::move(opacity);
     impl_->topCount = uint32_t(top);
+    moves_ = std::any_of(geometries.begin(), geometries.end(), [](const Geometry& g) { return g.deforms(); }) ||
+             std::any_of(instances.begin(), instances.end(), [](const Instance& i) { return i.motion != Hit::none; });
     if (std::any_of(geometries.begin(), geometries.end(), [](const Geometry& g) { return g.cutOut; }))
         impl_->cutOuts.resize(geometries.size());
     impl_->buildMeshes(geometries, instances, run);
@@ -265,68 +267,85 @@ bool Accel::occluded(const Ray& r) const noexcept {
 
 namespace {
 
-// Embree's packet and which of its lanes count. Lanes beyond `count` and rays that Embree could not bear are left out.
-[[gnu::always_inline]] inline void fillLanes(RTCRay16& q, int (&valid)[width], const RayPacket& r, uint32_t count,
-                                             const ShutterClock& clock) noexcept {
-    constexpr float far = 1e18f;
-    const auto copy = [](float* to, const float* from) { std::memcpy(to, from, width * sizeof(float)); };
-    copy(q.org_x, r.ox), copy(q.org_y, r.oy), copy(q.org_z, r.oz), copy(q.tnear, r.tnear);
-    copy(q.dir_x, r.dx), copy(q.dir_y, r.dy), copy(q.dir_z, r.dz);
-    const float *const ox = r.ox, *const oy = r.oy, *const oz = r.oz, *const dx = r.dx, *const dy = r.dy, *const dz = r.dz,
-                       *const tnear = r.tnear, *const tfar = r.tfar, *const time = r.time;
-    for (uint32_t k = 0; k < width; ++k) {
-        // usable(), without branches: a comparison with NaN is false.
-        const bool good = (std::fabs(ox[k]) < far) & (std::fabs(oy[k]) < far) & (std::fabs(oz[k]) < far) & (std::fabs(dx[k]) <= 1.001f) &
-                          (std::fabs(dy[k]) <= 1.001f) & (std::fabs(dz[k]) <= 1.001f) & (tnear[k] >= 0) & (tnear[k] < infinity) &
-                          (tnear[k] <= tfar[k]) & (std::fabs(time[k]) < infinity) & (k < count);
-        valid[k] = good ? -1 : 0;
+void copy(auto (&to)[width], const auto (&from)[width]) noexcept { std::memcpy(to, from, sizeof to); }
+
+// While Embree looks at a packet, its times are shares of the shutter.
+class InShares {
+public:
+    InShares(float (&time)[width], const ShutterClock& clock, bool moves) noexcept : time_(time), moves_(moves) {
+        if (!moves) return;
+        copy(seconds_, time);
+        for (float& t : time_) t = clock.share(t);
     }
-    // Where a machine has no kernel for sixteen, Embree knows lanes that do not count by their empty interval alone.
-    for (uint32_t k = 0; k < width; ++k) q.tfar[k] = valid[k] ? tfar[k] : -infinity;
-    for (uint32_t k = 0; k < width; ++k) q.time[k] = clock.share(time[k]);
-    for (uint32_t k = 0; k < width; ++k) q.mask[k] = ~0u;
-    for (uint32_t k = 0; k < width; ++k) q.id[k] = q.flags[k] = 0;
-}
-void fillBaseline(RTCRay16& q, int (&valid)[width], const RayPacket& r, uint32_t count, const ShutterClock& clock) noexcept {
-    fillLanes(q, valid, r, count, clock);
-}
-CHIARO_TARGET_AVX2 void fillAvx2(RTCRay16& q, int (&valid)[width], const RayPacket& r, uint32_t count, const ShutterClock& clock) noexcept {
-    fillLanes(q, valid, r, count, clock);
-}
-CHIARO_TARGET_AVX512 void fillAvx512(RTCRay16& q, int (&valid)[width], const RayPacket& r, uint32_t count,
-                                     const ShutterClock& clock) noexcept {
-    fillLanes(q, valid, r, count, clock);
-}
-void fill(RTCRay16& q, int (&valid)[width], const RayPacket& r, std::size_t count, const ShutterClock& clock) noexcept {
-    static auto* const chosen = widest(fillBaseline, fillAvx2, fillAvx512);
-    chosen(q, valid, r, uint32_t(count), clock);
-}
+    ~InShares() {
+        if (moves_) copy(time_, seconds_);
+    }
+    InShares(const InShares&) = delete;
+    InShares& operator=(const InShares&) = delete;
+
+private:
+    float (&time_)[width];
+    float seconds_[width];
+    bool moves_;
+};
 
 } // namespace
 
-void Accel::intersect(const RayPacket& rays, HitPacket& hits, uint32_t count, bool coherent) const noexcept {
+void Accel::trace(TracePacket& p, uint32_t count, bool coherent) const noexcept {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     if (coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    alignas(64) RTCRayHit16 q;
-    alignas(64) int valid[width];
-    fill(q.ray, valid, rays, count, clock_);
+    readyForEmbree(p, count);
     if (!impl_->cutOuts.empty())
-        for (uint32_t k = 0; k < count; ++k) q.ray.id[k] = identity(rays.ray(k));
-    std::memset(q.hit.geomID, 0xff, sizeof q.hit.geomID);
-    std::memset(q.hit.instID, 0xff, sizeof q.hit.instID);
-    rtcIntersect16(valid, impl_->top.get(), &context, &q);
-    if (RayRecord::on()) [[unlikely]]
-        recordClosest(this, coherent ? RayCall::coherent : RayCall::wide, q, rays, valid);
-    const auto copy = [](auto* to, const auto* from) { std::memcpy(to, from, width * sizeof *to); };
-    copy(hits.geometry, q.hit.geomID), copy(hits.triangle, q.hit.primID), copy(hits.instance, q.hit.instID[0]);
-    copy(hits.u, q.hit.u), copy(hits.v, q.hit.v), copy(hits.t, q.ray.tfar);
+        for (uint32_t k = 0; k < count; ++k) p.id[k] = identity(p.rays.ray(k));
+    RTCRayHit16& q = reinterpret_cast<RTCRayHit16&>(p);
+    {
+        const InShares times(p.rays.time, clock_, moves_);
+        if (RayRecord::on()) [[unlikely]] {
+            const RayPacket before = p.rays;
+            rtcIntersect16(p.asked, impl_->top.get(), &context, &q);
+            recordClosest(this, coherent ? RayCall::coherent : RayCall::wide, q, before, p.asked);
+        } else {
+            rtcIntersect16(p.asked, impl_->top.get(), &context, &q);
+        }
+    }
+    copy(p.hits.t, p.rays.tfar);
     if (impl_->firstGeometry.empty()) return;
     for (std::size_t k = 0; k < width; ++k) {
-        if (hits.instance[k] == RTC_INVALID_GEOMETRY_ID) continue;
-        hits.instance[k] -= impl_->topCount;
-        hits.geometry[k] += impl_->firstGeometry[hits.instance[k]];
+        if (p.hits.instance[k] == RTC_INVALID_GEOMETRY_ID) continue;
+        p.hits.instance[k] -= impl_->topCount;
+        p.hits.geometry[k] += impl_->firstGeometry[p.hits.instance[k]];
     }
+}
+
+uint32_t Accel::stopped(TracePacket& p, uint32_t count) const noexcept {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    readyForEmbree(p, count);
+    if (!impl_->cutOuts.empty())
+        for (uint32_t k = 0; k < count; ++k) p.id[k] = identity(p.rays.ray(k));
+    RTCRay16& q = reinterpret_cast<RTCRay16&>(p);
+    const InShares times(p.rays.time, clock_, moves_);
+    if (RayRecord::on()) [[unlikely]] {
+        const RayPacket before = p.rays;
+        rtcOccluded16(p.asked, impl_->top.get(), &context, &q);
+        recordShadow(this, q, before, p.asked);
+    } else {
+        rtcOccluded16(p.asked, impl_->top.get(), &context, &q);
+    }
+    return stoppedRays(p) & ((1u << count) - 1);
+}
+
+void Accel::intersect(const RayPacket& rays, HitPacket& hits, uint32_t count, bool coherent) const noexcept {
+    TracePacket p;
+    p.rays = rays;
+    trace(p, count, coherent);
+    hits = p.hits;
+}
+uint32_t Accel::occluded(const RayPacket& rays, uint32_t count) const noexcept {
+    TracePacket p;
+    p.rays = rays;
+    return stopped(p, count);
 }
 
 void Accel::intersect(const RayPacket& rays, std::span<Hit> hits, bool coherent) const noexcept {
@@ -342,22 +361,6 @@ void Accel::intersect(std::span<const Ray> rays, std::span<Hit> hits, bool coher
         for (std::size_t k = 0; k < n; ++k) packet.set(k, rays[first + k]);
         intersect(packet, hits.subspan(first, n), coherent);
     }
-}
-
-uint32_t Accel::occluded(const RayPacket& rays, uint32_t count) const noexcept {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    alignas(64) RTCRay16 q;
-    alignas(64) int valid[width];
-    fill(q, valid, rays, count, clock_);
-    if (!impl_->cutOuts.empty())
-        for (uint32_t k = 0; k < count; ++k) q.id[k] = identity(rays.ray(k));
-    rtcOccluded16(valid, impl_->top.get(), &context, &q);
-    if (RayRecord::on()) [[unlikely]]
-        recordShadow(this, q, rays, valid);
-    uint32_t stopped = 0;
-    for (uint32_t k = 0; k < count; ++k) stopped |= uint32_t((valid[k] == 0) | (q.tfar[k] < 0)) << k;
-    return stopped;
 }
 
 void Accel::occluded(const RayPacket& rays, std::span<uint8_t> answers) const noexcept {

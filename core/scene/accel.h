@@ -66,6 +66,9 @@ public:
     void intersect(const RayPacket&, std::span<Hit>, bool coherent) const noexcept;             // of its first rays, one a hit; 16 at most
     void intersect(const RayPacket&, HitPacket&, uint32_t count, bool coherent) const noexcept; // of its first rays; 16 at most
     uint32_t occluded(const RayPacket&, uint32_t count) const noexcept;                         // one bit a ray
+    // The same of packets that are Embree's own.
+    void trace(TracePacket&, uint32_t count, bool coherent) const noexcept;
+    uint32_t stopped(TracePacket&, uint32_t count) const noexcept; // one bit a ray
     // The nearest surface of any opacity above zero: nothing passes by lot. For those who weigh what passes themselves.
     Hit firstSurface(const Ray&) const noexcept;
     bool occluded(const Ray&) const noexcept;
@@ -86,6 +89,7 @@ private:
     std::unique_ptr<Impl> impl_;
     std::string isa_;
     ShutterClock clock_;
+    bool moves_ = false; // something does: Embree looks at times
 };
 
 } // namespace chiaro

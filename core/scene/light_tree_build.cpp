@@ -1,7 +1,7 @@
 // Building a LightTree: a range of emitters is cut in two where the surface area orientation heuristic of the paper is least (equation 1:
 // intensity, times the surface of the bounds, times the solid angle into which they shine), until eight parts hang on the node.
 #include "core/render/in_parallel.h"
-#include "core/scene/light_tree.h"
+#include "core/scene/light_tree_view.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -87,6 +87,9 @@ class LightTreeBuilder {
 public:
     LightTreeBuilder(LightTree& tree, std::span<const Emitter> emitters) : tree_(tree), emitters_(emitters) {}
     void run(const Executor*);
+    static LightTreeView view(const LightTree& t) noexcept {
+        return {t.nodes_.empty() ? nullptr : t.nodes_.data(), t.members_.data(), LightTree::patch, LightTree::leaf};
+    }
 
 private:
     using Node = LightTree::Node;
@@ -320,5 +323,7 @@ LightTree::LightTree(std::span<const Emitter> emitters, uint32_t lights, const E
     LightTreeBuilder(*this, emitters).run(run);
     if (nodes_.empty()) places_.clear();
 }
+
+LightTreeView viewOf(const LightTree& tree) noexcept { return LightTreeBuilder::view(tree); }
 
 } // namespace chiaro

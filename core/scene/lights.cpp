@@ -82,8 +82,16 @@ std::optional<LightSample> Lights::sampleTriangle(const Triangle& t, const Surfa
     s.wi = way * (1 / std::sqrt(distanceSquared));
     const float cosine = -dot(s.wi, t.ng);
     if (cosine == 0 || (cosine < 0 && !t.doubleSided)) return {};
-    SurfacePoint look = scene_->attributes({t.geometry, t.triangle, t.instance, b.x, b.y, 0});
-    s.radiance = emission(look) * (scene_->opacity(look) * (fault(Fault::lightPowerBias) ? 1.01f : 1.f));
+    const MaterialDesc& m = scene_->material(t.material);
+    float opacity = 1;
+    if (!m.unlit && m.emissionTexture.texture < 0 && m.alphaMode == AlphaMode::opaque) { // the same everywhere
+        s.radiance = m.emission;
+    } else {
+        const SurfacePoint look = scene_->attributes({t.geometry, t.triangle, t.instance, b.x, b.y, 0});
+        s.radiance = emission(look);
+        opacity = scene_->opacity(look);
+    }
+    s.radiance *= opacity * (fault(Fault::lightPowerBias) ? 1.01f : 1.f);
     if (black(s.radiance)) return {};
     s.pdfW = areaToSolidAngle(1 / t.area, distanceSquared, cosine);
     s.shadow = from.to(at);

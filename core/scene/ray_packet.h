@@ -21,10 +21,22 @@ struct alignas(64) RayPacket {
 // What such a packet met, as arrays of Hit's members; geometry Hit::none where a ray met nothing.
 struct alignas(64) HitPacket {
     static constexpr std::size_t size = RayPacket::size;
-    uint32_t geometry[size], triangle[size], instance[size];
-    float u[size], v[size], t[size];
+    float across[3][size]; // of Embree: a normal of any length in the space of the mesh
+    float u[size], v[size];
+    uint32_t triangle[size], geometry[size], instance[size];
+    float t[size];
 
     Hit hit(std::size_t k) const noexcept { return {geometry[k], triangle[k], instance[k], u[k], v[k], t[k]}; }
+};
+
+// Rays and what they met in one piece, laid out as Embree's RTCRayHit16: asked and answered in place (Accel::trace, Accel::stopped), for
+// those who make so many packets that copies of them count.
+struct alignas(64) TracePacket {
+    static constexpr std::size_t size = RayPacket::size;
+    RayPacket rays; // the far ends are written over
+    uint32_t mask[size], id[size], flags[size];
+    HitPacket hits;
+    int32_t asked[size]; // -1; 0: no such ray, or none that Embree could bear
 };
 
 } // namespace chiaro

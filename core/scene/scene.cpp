@@ -80,6 +80,14 @@ Ray SurfacePoint::to(const SurfacePoint& other) const noexcept {
 Scene::Scene() = default;
 Scene::~Scene() = default;
 
+const SceneTable& Scene::makeTable(MakeTable make) const {
+    std::call_once(tableOnce_, [&] {
+        ownTable_ = make(*this);
+        table_.store(ownTable_.get(), std::memory_order_release);
+    });
+    return *ownTable_;
+}
+
 Hit Scene::intersect(const Ray& r) const noexcept { return accel_->intersect(r); }
 void Scene::intersect(std::span<const Ray> r, std::span<Hit> h, bool coherent) const noexcept { accel_->intersect(r, h, coherent); }
 Hit Scene::firstSurface(const Ray& r) const noexcept { return accel_->firstSurface(r); }
@@ -113,27 +121,29 @@ SurfacePoint Scene::point(const Hit& hit, const Ray& ray) const noexcept {
     SurfacePoint s = attributes(hit);
     s.time = ray.time;
     const bool smooth = !g.normals.empty(), framed = g.frameSet != Geometry::noFrame;
-    Shape t;
+    Vec3 a, b, c;
+    Vec4 tangent;
+    float reach;
     if (g.deforms()) [[unlikely]] {
-        t = deformed(g, i, hit.u, hit.v, clock_.share(ray.time));
+        const Shape t = deformed(g, i, hit.u, hit.v, clock_.share(ray.time));
+        a = t.a, b = t.b, c = t.c, s.ns = t.ns, tangent = t.tangent, reach = t.reach;
     } else {
-        t.a = g.positions[i[0]], t.b = g.positions[i[1]], t.c = g.positions[i[2]];
-        t.reach = max(maxAbs(t.a), max(maxAbs(t.b), maxAbs(t.c)));
-        if (smooth) t.ns = interpolate(g.normals, i, hit.u, hit.v);
-        if (framed && !g.tangents.empty()) t.tangent = interpolate(g.tangents, i, hit.u, hit.v);
+        a = g.positions[i[0]], b = g.positions[i[1]], c = g.positions[i[2]];
+        reach = max(maxAbs(a), max(maxAbs(b), maxAbs(c)));
+        if (smooth) s.ns = interpolate(g.normals, i, hit.u, hit.v);
+        if (framed && !g.tangents.empty()) tangent = interpolate(g.tangents, i, hit.u, hit.v);
     }
-    Vec3 e1 = t.b - t.a, e2 = t.c - t.a;
-    s.p = t.a + e1 * hit.u + e2 * hit.v;
+    Vec3 e1 = b - a, e2 = c - a;
+    s.p = a + e1 * hit.u + e2 * hit.v;
     s.ng = cross(e1, e2);
-    s.ns = t.ns;
     if (framed && !g.tangents.empty()) {
-        s.tangent = {t.tangent.x, t.tangent.y, t.tangent.z};
-        s.tangentSign = t.tangent.w < 0 ? -1.f : 1.f;
+        s.tangent = {tangent.x, tangent.y, tangent.z};
+        s.tangentSign = tangent.w < 0 ? -1.f : 1.f;
     } else if (framed && !g.uv[g.frameSet].empty()) {
         const auto& uv = g.uv[g.frameSet];
         derivatives(e1, e2, uv[i[0]], uv[i[1]], uv[i[2]], s.dpdu, s.dpdv);
     }
-    float reach = t.reach, interpolated = g.deforms() ? blendSlack * reach : 0;
+    float interpolated = g.deforms() ? blendSlack * reach : 0;
     if (hit.instance != Hit::none) {
         const Instance& in = instances_[hit.instance];
         const Motion* motion = in.motion == Hit::none ? nullptr : &motions_[in.motion];

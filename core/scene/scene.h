@@ -9,7 +9,9 @@
 #include "core/scene/scene_bytes.h"
 #include "core/scene/texture.h"
 #include <array>
+#include <atomic>
 #include <memory>
+#include <mutex>
 #include <span>
 
 namespace chiaro {
@@ -57,6 +59,12 @@ struct DrawnPart {
 struct SceneCounts {
     uint64_t triangles = 0, trianglesDrawn = 0, instances = 0, emissiveTriangles = 0, punctualLights = 0, emissiveMeshes = 0;
     SceneBytes bytes;
+};
+
+// What a library above makes of a scene, a pure function of it, to be read at every hit: it lives with the scene.
+class SceneTable {
+public:
+    virtual ~SceneTable() = default;
 };
 
 class Scene {
@@ -107,6 +115,12 @@ public:
     // Fraction of light that a surface stops, [0, 1]: alpha under the material's alpha mode.
     float opacity(const SurfacePoint&) const noexcept;
     const Lights& lights() const noexcept { return lights_; }
+    // The one table of the materials' closures (materials/closure_table.h): made by the first who asks.
+    using MakeTable = std::unique_ptr<const SceneTable> (*)(const Scene&);
+    const SceneTable& table(MakeTable make) const {
+        const SceneTable* const made = table_.load(std::memory_order_acquire);
+        return made != nullptr ? *made : makeTable(make);
+    }
 
     std::span<const CameraDesc> cameras() const noexcept { return cameras_; } // recentred like everything else
     const std::string& name() const noexcept { return name_; }
@@ -126,6 +140,7 @@ private:
     Scene();
     // Corners of a triangle in the space of its geometry.
     std::array<Vec3, 3> localCorners(uint32_t geometry, uint32_t triangle, float time) const noexcept;
+    const SceneTable& makeTable(MakeTable) const;
     std::string name_, isa_;
     std::vector<MaterialDesc> materials_;
     Textures textures_;
@@ -142,6 +157,9 @@ private:
     float radius_ = 1;
     SceneCounts counts_;
     uint64_t hash_ = 0;
+    mutable std::once_flag tableOnce_;
+    mutable std::unique_ptr<const SceneTable> ownTable_;
+    mutable std::atomic<const SceneTable*> table_{nullptr};
 };
 
 } // namespace chiaro

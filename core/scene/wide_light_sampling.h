@@ -3,6 +3,7 @@
 #pragma once
 #include "core/math/warp.h"
 #include "core/math/wide_sampler.h"
+#include "core/scene/wide_light_tree.h"
 #include "core/scene/wide_lights.h"
 #include "core/scene/wide_point.h"
 #include "core/scene/wide_sky.h"
@@ -140,11 +141,19 @@ CHIARO_LANE WideLightSample sampleTowards(const WideLights& lights, const WidePo
     const Mask sky = m & (light == Int(LightLanes::sky));
     Mask chosen = andNot(m, sky) & (light != Int(LightLanes::unchosen));
     if (lights.byTree()) {
-        tell(ux);
-        pmf.store(l.pmf);
-        lights.choose(l, chosen.bits());
-        light = Int(l.light), ux = Float(l.ux), pmf = Float(l.pmf);
-        chosen = chosen & (light != Int(LightLanes::unchosen));
+        const Double u = (toDouble(pick.pick) * 0x1p-32 - lights.edge()) / (1 - lights.edge());
+        const Mask inTree = chosen & (u < lights.treeShare());
+        const WideTreePick tree = chooseInTree(lights.tree(), at.p, at.ng, inTree, u / lights.treeShare());
+        light = select(inTree, tree.light, light);
+        pmf = select(inTree, tree.pmf * Float(float(1 - lights.edge()) * float(lights.treeShare())), pmf);
+        if (const Mask others = andNot(chosen, inTree); any(others)) {
+            tell(ux);
+            light.store(l.light), pmf.store(l.pmf);
+            lights.choose(l, others.bits());
+            light = Int(l.light), ux = Float(l.ux), pmf = Float(l.pmf);
+        }
+        static_assert(LightTree::none == LightLanes::sky && LightLanes::unchosen != LightLanes::sky);
+        chosen = chosen & (light < Int(LightLanes::unchosen)) & (pmf > Float(0.f));
     } else if (any(chosen)) {
         Float keep, alias, own, other;
         if (fields) {

@@ -25,7 +25,8 @@ WideLights::WideLights(const Scene& scene) : scene_(scene) {
     const Lights& lights = scene.lights();
     sky_ = lights.sky();
     edge_ = double(lights.pickEnvironment_);
-    tree_ = lights.byTree();
+    tree_ = viewOf(lights.tree_);
+    treeShare_ = double(lights.pickTree_);
     for (std::size_t i = 0; i < lights.triangles_.size(); ++i) {
         const Lights::Triangle& t = lights.triangles_[i];
         const MaterialDesc& m = scene.material(t.material);

@@ -2,6 +2,7 @@
 // once before a render, read by all threads. What lanes cannot do (textured, moving or cut-out emitters, the choice by a light tree) is
 // asked of the Lights themselves, one lane at a time, and gives the same sample.
 #pragma once
+#include "core/scene/light_tree_view.h"
 #include "core/scene/lights.h"
 #include <vector>
 
@@ -44,10 +45,12 @@ public:
     static constexpr uint32_t few = 16, members = 20;
     const float (*fields() const noexcept)[few] { return records_.size() <= few ? fields_ : nullptr; }
     double edge() const noexcept { return edge_; } // the environment's share of all choices
-    bool byTree() const noexcept { return tree_; }
+    bool byTree() const noexcept { return tree_.nodes != nullptr; }
+    const LightTreeView& tree() const noexcept { return tree_; }
+    double treeShare() const noexcept { return treeShare_; } // of the choices that the environment leaves
     bool environment() const noexcept { return sky_ != nullptr; }
     const Sky* sky() const noexcept { return sky_; } // null: there is none
-    // Choices of sampleTowards() by light and what is left of ux; where a tree chooses, for the lanes of a mask.
+    // Choices of sampleTowards() by light and what is left of ux, for lanes of a mask that a tree does not decide.
     void choose(LightLanes&, uint32_t lanes) const noexcept;
     // The samples of lanes whose light is chosen: pdfW with the choice in it.
     void sample(LightLanes&, uint32_t lanes) const noexcept;
@@ -58,7 +61,8 @@ private:
     std::vector<float> cells_; // four a light: probability of staying, where to else, both pmfs
     alignas(64) float fields_[members + 4][few] = {};
     double edge_ = 0;
-    bool tree_ = false;
+    LightTreeView tree_;
+    double treeShare_ = 0;
     const Sky* sky_ = nullptr;
 };
 

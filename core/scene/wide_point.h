@@ -99,6 +99,15 @@ CHIARO_LANE void place(const float* instances, const uint32_t* at, Mask m, WideC
     to.error = select(m, world, to.error);
 }
 
+// The records of hits, on their way.
+CHIARO_LANE void fetchTriangles(const WideTables& tables, const HitPacket& hits) noexcept {
+    for (uint32_t k = 0; k < laneCount; ++k) {
+        if (hits.geometry[k] == Hit::none) continue;
+        const uint32_t first = tables.firsts[hits.geometry[k]];
+        if (first != WideSurfaces::none) __builtin_prefetch(tables.triangles + (std::size_t(first + hits.triangle[k]) << 4));
+    }
+}
+
 // Which of the hits in m are in the tables; their points. The other lanes hold nothing of use.
 CHIARO_LANE Mask widePoint(const WideTables& tables, const HitPacket& hits, Mask m, WidePoint& to) noexcept {
     const Int geometry(hits.geometry), instance(hits.instance);

@@ -59,7 +59,9 @@ void encode(const Vec3& n0, const Vec3& n1, const Vec3& n2, uint32_t (&to)[5]) n
 
 } // namespace
 
-WideSurfaces::WideSurfaces(const Scene& scene, const Executor* run) {
+const Accel& WideSurfaces::hierarchy(const Scene& scene) noexcept { return *scene.accel_; }
+
+WideSurfaces::WideSurfaces(const Scene& scene, const Executor* run) : moves_(!scene.motions_.empty()) {
     std::vector<uint8_t> shines(scene.geometries_.size(), 0); // under an instance
     for (const Instance& in : scene.instances_) {
         WideInstance w{};
@@ -72,6 +74,7 @@ WideSurfaces::WideSurfaces(const Scene& scene, const Executor* run) {
     }
     std::size_t total = 0;
     for (const Geometry& g : scene.geometries_) {
+        moves_ |= g.deforms();
         const bool known = g.colors.empty() && !g.deforms() && alike(g.normals);
         firsts_.push_back(known ? uint32_t(total) : none);
         if (known) total += g.triangles();

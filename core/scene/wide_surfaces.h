@@ -8,6 +8,7 @@
 
 namespace chiaro {
 
+class Accel;
 class Executor;
 class Scene;
 
@@ -34,6 +35,8 @@ public:
     std::size_t geometries() const noexcept { return firsts_.size(); }
     const WideTriangle* triangles() const noexcept { return triangles_.data(); }
     const WideInstance* instances() const noexcept { return instances_.data(); }
+    bool moves() const noexcept { return moves_; }        // anything in the scene: rays need their times
+    static const Accel& hierarchy(const Scene&) noexcept; // for those who trace packets in place
     bool instanced() const noexcept { return !instances_.empty(); }
     std::size_t bytes() const noexcept {
         return firsts_.size() * sizeof(uint32_t) + triangles_.size() * sizeof(WideTriangle) + instances_.size() * sizeof(WideInstance);
@@ -43,6 +46,7 @@ private:
     std::vector<uint32_t> firsts_;
     std::vector<WideTriangle> triangles_;
     std::vector<WideInstance> instances_;
+    bool moves_;
 };
 
 } // namespace chiaro

@@ -5,7 +5,7 @@
 namespace chiaro::CHIARO_ISA {
 
 // The ray's packet as Embree takes it.
-CHIARO_LANE void PathFollower::trace(const PathPacket& p, RayPacket& rays) noexcept {
+CHIARO_LANE void PathFollower::lay(const PathPacket& p, RayPacket& rays) noexcept {
     p.o.x.store(rays.ox), p.o.y.store(rays.oy), p.o.z.store(rays.oz);
     p.d.x.store(rays.dx), p.d.y.store(rays.dy), p.d.z.store(rays.dz);
     Float(0.f).store(rays.tnear), Float(infinity).store(rays.tfar), p.time.store(rays.time);
@@ -16,7 +16,7 @@ CHIARO_LANE void PathFollower::add(PathPacket& p, Mask m, const Rgbw& light) noe
     addTo(samples_.found, slot, m, light.c[0], light.c[1], light.c[2]);
 }
 void PathFollower::tell(const PathPacket& p, const HitPacket& hits) noexcept {
-    trace(p, told_.rays);
+    lay(p, told_.rays);
     told_.hits = hits;
     int k = 0;
     for (const Float& v : {p.from.x, p.from.y, p.from.z}) v.store(told_.fromP[k++]);
@@ -24,7 +24,7 @@ void PathFollower::tell(const PathPacket& p, const HitPacket& hits) noexcept {
     for (const Float& v : {p.fromNg.x, p.fromNg.y, p.fromNg.z}) v.store(told_.fromNg[k++]);
     for (std::size_t c = 0; c < 3; ++c) p.throughput.c[c].store(told_.throughput[c]);
     p.pdfW.store(told_.pdfW), p.depth.store(told_.depth), p.medium.store(told_.medium);
-    p.width.store(told_.width), p.spread.store(told_.spread);
+    p.width.store(told_.width), p.spread.store(told_.spread), p.hero.store(told_.hero);
 }
 
 // Points and materials; what the inside of a solid lets through.
@@ -175,7 +175,7 @@ void PathFollower::direct(PathPacket& p, const Vertex& v, Mask m, const WidePick
     const Float other = settings_.mis ? select(s.delta, Float(0.f), value.pdfW) : Float(0.f);
     const Float cosine = fault(Fault::receiverCosineMissing) ? Float(1.f) : abs(wi.z);
     const Rgbw brings = p.throughput * value.f * s.radiance * (cosine * weightOverPdf(s.pdfW, other));
-    shadows_.append(lit, s.o, s.d, s.tfar, p.time, brings, p.slot);
+    shadows_.append(lit, s.o, s.d, s.tfar, p.time, brings, p.slot, needs_.time);
 }
 
 // The next rays; the lanes that have one.
@@ -230,10 +230,12 @@ Mask PathFollower::alone(PathPacket& p, const Vertex& v, const WidePick& uLight,
     normal = select(m, vec(told_.normal[0], told_.normal[1], told_.normal[2]), normal);
     const RayPacket &s = told_.shadow, &n = told_.next;
     if (const Mask lit = m & (Float(s.tfar) >= Float(0.f)); any(lit))
-        shadows_.append(lit, vec(s.ox, s.oy, s.oz), vec(s.dx, s.dy, s.dz), Float(s.tfar), p.time, before * rgb(told_.arriving), p.slot);
+        shadows_.append(lit, vec(s.ox, s.oy, s.oz), vec(s.dx, s.dy, s.dz), Float(s.tfar), p.time, before * rgb(told_.arriving), p.slot,
+                        needs_.time);
     p.throughput = select(alive, rgb(told_.throughput), p.throughput);
     p.pdfW = select(alive, Float(told_.pdfW), p.pdfW);
     p.spread = select(alive, Float(told_.spread), p.spread);
+    p.hero = select(alive, Float(told_.hero), p.hero);
     p.o = select(alive, vec(n.ox, n.oy, n.oz), p.o);
     p.d = select(alive, vec(n.dx, n.dy, n.dz), p.d);
     p.from = select(alive, vec(told_.fromP[0], told_.fromP[1], told_.fromP[2]), p.from);
@@ -281,11 +283,11 @@ template <bool plain> CHIARO_LANE void PathFollower::shade(PathPacket& p, Mask m
     p.depth = p.depth + Int(1u);
     p.append(stream_, kept_, alive, needs_);
     kept_ += count(alive);
-    while (shadows_.count >= laneCount) shadows_.flush(scene_, samples_);
+    while (shadows_.count >= laneCount) shadows_.flush(hierarchy_, samples_, needs_.time);
 }
 
 // One vertex of sixteen paths, whose rays have been traced. What goes on is packed into the stream.
-[[gnu::flatten]] void PathFollower::group(PathPacket& p, Mask m, const RayPacket&, const HitPacket& hits, bool first) noexcept {
+[[gnu::flatten]] void PathFollower::group(PathPacket& p, Mask m, const HitPacket& hits, bool first) noexcept {
     Vertex v;
     v.albedo = Rgbw(Float(0.f));
     v.hit = m & (Int(hits.geometry) != Int(Hit::none));
@@ -308,13 +310,14 @@ template <bool plain> CHIARO_LANE void PathFollower::shade(PathPacket& p, Mask m
 
 void PathFollower::begin(const StartPacket& start) noexcept {
     PathPacket p;
-    p.o = {Float(start.rays.ox), Float(start.rays.oy), Float(start.rays.oz)};
-    p.d = {Float(start.rays.dx), Float(start.rays.dy), Float(start.rays.dz)};
+    p.o = {Float(start.traced.rays.ox), Float(start.traced.rays.oy), Float(start.traced.rays.oz)};
+    p.d = {Float(start.traced.rays.dx), Float(start.traced.rays.dy), Float(start.traced.rays.dz)};
     p.from = p.o;
     p.fromNg = p.d;
     p.throughput = Rgbw(Float(1.f));
     p.pdfW = Float(-1.f);
-    p.time = Float(start.rays.time);
+    p.hero = Float(0.f);
+    p.time = Float(start.traced.rays.time);
     p.width = Float(pixel_.width), p.spread = Float(pixel_.spread);
     alignas(64) uint32_t slots[laneCount];
     for (uint32_t k = 0; k < laneCount; ++k) slots[k] = start.first + k;
@@ -322,26 +325,34 @@ void PathFollower::begin(const StartPacket& start) noexcept {
     p.depth = p.medium = Int(0u);
     p.keyLow = Int(start.keyLow), p.keyHigh = Int(start.keyHigh), p.sample = Int(start.sample);
     firstSlot_ = start.first;
-    group(p, firstLanes(start.count), start.rays, start.hits, true);
+    group(p, firstLanes(start.count), start.traced.hits, true);
+}
+
+// The next packet is traced before one is shaded: what shading will read comes meanwhile.
+CHIARO_LANE void PathFollower::traceNext(uint32_t at, uint32_t n, TracePacket& to) noexcept {
+    PathPacket p;
+    p.load(stream_, at, needs_);
+    lay(p, to.rays);
+    hierarchy_.trace(to, n, false);
+    if (manyTriangles_) fetchTriangles(tables_, to.hits);
 }
 
 void PathFollower::follow(StartSource& source) noexcept {
     const uint32_t length = paths_.length();
     bool open = true;
     PathPacket p;
-    RayPacket rays;
-    HitPacket hits;
     StartPacket start;
     for (uint32_t under = 0; open || under > 0; under = kept_) {
         kept_ = 0;
         // While starts are left, a packet that is not full waits for them.
         const uint32_t end = open ? under & ~(laneCount - 1) : under;
-        for (uint32_t at = 0; at < end; at += laneCount) {
-            const uint32_t n = end - at < laneCount ? end - at : laneCount;
+        const auto lanes = [&](uint32_t at) { return end - at < laneCount ? end - at : laneCount; };
+        uint32_t turn = 0;
+        if (end > 0) traceNext(0, lanes(0), traced_[0]);
+        for (uint32_t at = 0; at < end; at += laneCount, turn ^= 1) {
+            if (at + laneCount < end) traceNext(at + laneCount, lanes(at + laneCount), traced_[turn ^ 1]);
             p.load(stream_, at, needs_);
-            trace(p, rays);
-            scene_.intersect(rays, hits, n, false);
-            group(p, firstLanes(n), rays, hits, false);
+            group(p, firstLanes(lanes(at)), traced_[turn].hits, false);
         }
         if (end < under) {
             p.load(stream_, end, needs_);
@@ -353,7 +364,7 @@ void PathFollower::follow(StartSource& source) noexcept {
             if (open) begin(start);
         }
     }
-    while (shadows_.count > 0) shadows_.flush(scene_, samples_);
+    while (shadows_.count > 0) shadows_.flush(hierarchy_, samples_, needs_.time);
 }
 
 } // namespace chiaro::CHIARO_ISA

@@ -10,16 +10,18 @@ namespace chiaro::CHIARO_ISA {
 class PathFollower {
 public:
     PathFollower(const WidePaths& paths, uint32_t maxDepth, const Footprint& pixel, SampleLanes& samples, PathStream& stream) noexcept
-        : paths_(paths), scene_(paths.scene()), settings_(paths.settings()),
+        : paths_(paths), hierarchy_(WideSurfaces::hierarchy(paths.scene())), settings_(paths.settings()),
           tables_{paths.surfaces().firsts(), reinterpret_cast<const float*>(paths.surfaces().triangles()),
                   reinterpret_cast<const float*>(paths.surfaces().instances()),
                   paths.surfaces().geometries() <= laneCount ? &firsts_ : nullptr},
           materials_(reinterpret_cast<const float*>(paths.materials().records())), maxDepth_(maxDepth), pixel_(pixel),
-          needs_{paths.lights().byTree(), paths.materials().volumes(), paths.textures().filtered()},
+          needs_{paths.lights().byTree(), paths.materials().volumes(), paths.textures().filtered(), paths.surfaces().moves(),
+                 paths.dispersive()},
           oneLight_(paths.lights().finite() == 1 && !paths.lights().environment()), samples_(samples), stream_(stream),
           distantSky_(paths.settings().nee && paths.lights().sky() && paths.lights().sky()->bytes() > (std::size_t(1) << 18)
                           ? paths.lights().sky()
-                          : nullptr) {
+                          : nullptr),
+          manyTriangles_(paths.surfaces().bytes() > (std::size_t(1) << 18)) {
         for (std::size_t i = 0; tables_.few && i < paths.surfaces().geometries(); ++i) firsts_[i] = paths.surfaces().firsts()[i];
     }
     void follow(StartSource& source) noexcept;
@@ -38,7 +40,8 @@ private:
         Rgbw albedo;
     };
     void begin(const StartPacket&) noexcept;
-    void group(PathPacket&, Mask, const RayPacket&, const HitPacket&, bool first) noexcept;
+    void traceNext(uint32_t at, uint32_t count, TracePacket&) noexcept;
+    void group(PathPacket&, Mask, const HitPacket&, bool first) noexcept;
     void meet(PathPacket&, const HitPacket&, Vertex&) noexcept;
     template <bool plain> void shade(PathPacket&, Mask, const HitPacket&, Vertex&, bool first) noexcept;
     void read(const PathPacket&, const HitPacket&, Mask, Vertex&) noexcept;
@@ -50,10 +53,10 @@ private:
     Mask alone(PathPacket&, const Vertex&, const WidePick&, const WidePick&, Rgbw& albedo, Vec3w& normal) noexcept;
     void tell(const PathPacket&, const HitPacket&) noexcept;
     void add(PathPacket&, Mask, const Rgbw&) noexcept;
-    static void trace(const PathPacket&, RayPacket&) noexcept;
+    static void lay(const PathPacket&, RayPacket&) noexcept;
 
     const WidePaths& paths_;
-    const Scene& scene_;
+    const Accel& hierarchy_;
     const PathSettings& settings_;
     const WideTables tables_;
     const float* const materials_;
@@ -65,6 +68,8 @@ private:
     PathStream& stream_;
     const Sky* const distantSky_; // null: none that is sampled, or small enough for the caches near the processor
     alignas(64) uint32_t firsts_[laneCount] = {};
+    const bool manyTriangles_; // more than the caches near the processor hold
+    TracePacket traced_[2];
     ShadowQueue shadows_;
     VertexLanes told_;
     uint32_t kept_ = 0;      // of the stream, packed

@@ -1,6 +1,7 @@
 // Sixteen paths in registers, and how they lie in a stream. For files compiled for one instruction set (core/math/wide_lanes.h).
 #pragma once
 #include "core/math/wide_lanes.h"
+#include "core/scene/accel.h"
 #include "integrators/path_wide.h"
 
 namespace chiaro::CHIARO_ISA {
@@ -10,28 +11,32 @@ struct PathPacket {
     Rgbw throughput;
     Float pdfW; // of the direction; negative: of a delta lobe, or the camera's
     Float time;
+    Float hero;          // the wavelength of a path that dispersion has parted
     Float width, spread; // of the ray cone: where the ray began, and once it has met something there; opening angle
     Int slot, depth, medium, keyLow, keyHigh, sample;
 
-    // What this scene needs of it: a light tree the normal, an inside that light crosses its material, filtered textures the cone.
+    // What this scene needs of it: a light tree the normal, an inside that light crosses its material, filtered textures the cone, what
+    // moves the time, dispersion the wavelength.
     struct Needs {
-        bool normal = false, medium = false, cone = false;
+        bool normal = false, medium = false, cone = false, time = false, hero = false;
     };
     template <class F, class I> CHIARO_LANE void each(Needs needs, F&& real, I&& whole) noexcept {
         real(0, o.x), real(1, o.y), real(2, o.z);
         real(3, d.x), real(4, d.y), real(5, d.z);
         real(6, from.x), real(7, from.y), real(8, from.z);
         real(9, throughput.c[0]), real(10, throughput.c[1]), real(11, throughput.c[2]);
-        real(12, pdfW), real(13, time);
+        real(12, pdfW);
+        if (needs.time) real(13, time);
         if (needs.normal) real(14, fromNg.x), real(15, fromNg.y), real(16, fromNg.z);
         if (needs.cone) real(17, width), real(18, spread);
+        if (needs.hero) real(19, hero);
         whole(0, slot), whole(1, depth), whole(2, keyLow), whole(3, keyHigh), whole(4, sample);
         if (needs.medium) whole(5, medium);
     }
     CHIARO_LANE void load(const PathStream& s, uint32_t at, Needs needs) noexcept {
         fromNg = {Float(0.f), Float(0.f), Float(1.f)};
         medium = Int(0u);
-        width = spread = Float(0.f);
+        width = spread = time = hero = Float(0.f);
         each(
             needs, [&](int k, Float& v) { v = Float(s.f[k] + at); }, [&](int k, Int& v) { v = Int(s.i[k] + at); });
     }
@@ -47,26 +52,28 @@ struct ShadowQueue {
     static constexpr uint32_t room = 8 * laneCount;
     alignas(64) float f[11][room]; // origin, direction, tfar, time, RGB
     alignas(64) uint32_t slot[room];
+    TracePacket packet{};
     uint32_t first = 0, count = 0; // those that wait begin at a multiple of sixteen
 
-    CHIARO_LANE void append(Mask m, const Vec3w& o, const Vec3w& d, Float tfar, Float time, const Rgbw& brings, Int slots) noexcept {
+    CHIARO_LANE void append(Mask m, const Vec3w& o, const Vec3w& d, Float tfar, Float time, const Rgbw& brings, Int slots,
+                            bool moves) noexcept {
         if (first + count > room - 2 * laneCount) rewind();
         const uint32_t end = first + count;
         const auto put = [&](int k, Float v) { storePacked(f[k] + end, m, v); };
-        put(0, o.x), put(1, o.y), put(2, o.z), put(3, d.x), put(4, d.y), put(5, d.z), put(6, tfar), put(7, time);
+        put(0, o.x), put(1, o.y), put(2, o.z), put(3, d.x), put(4, d.y), put(5, d.z), put(6, tfar);
+        if (moves) put(7, time);
         put(8, brings.c[0]), put(9, brings.c[1]), put(10, brings.c[2]);
         storePacked(slot + end, m, slots);
         count += chiaro::CHIARO_ISA::count(m);
     }
     // Traces the first sixteen, or what there is.
-    CHIARO_LANE void flush(const Scene& scene, SampleLanes& to) noexcept {
+    CHIARO_LANE void flush(const Accel& hierarchy, SampleLanes& to, bool moves) noexcept {
         const uint32_t n = count < laneCount ? count : laneCount;
-        RayPacket rays;
+        RayPacket& rays = packet.rays;
         const auto take = [&](int k, float* ray) { Float(f[k] + first).store(ray); };
-        take(0, rays.ox), take(1, rays.oy), take(2, rays.oz), take(3, rays.dx), take(4, rays.dy), take(5, rays.dz);
-        take(6, rays.tfar), take(7, rays.time);
-        Float(0.f).store(rays.tnear);
-        const uint32_t stopped = scene.occluded(rays, n);
+        take(0, rays.ox), take(1, rays.oy), take(2, rays.oz), take(3, rays.dx), take(4, rays.dy), take(5, rays.dz), take(6, rays.tfar);
+        if (moves) take(7, rays.time);
+        const uint32_t stopped = hierarchy.stopped(packet, n);
         const Mask lit(~stopped & ((1u << n) - 1));
         const Float r(f[8] + first), g(f[9] + first), b(f[10] + first);
         if (n == laneCount)

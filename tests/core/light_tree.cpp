@@ -3,6 +3,7 @@
 #include "core/scene/light_tree.h"
 #include "core/math/warp.h"
 #include "core/render/executor.h"
+#include "tests/core/wide_lookup.h"
 #include "tests/render/measure.h"
 #include "tests/scene_kit.h"
 #include "tests/statistics.h"
@@ -154,6 +155,58 @@ TEST_SUITE("light-tree") {
         }
         MESSAGE("second moment over the square of the mean: tree " << tree2 / 50 << ", intensity " << power2 / 50);
         CHECK(tree2 < power2 / 3);
+    }
+
+    TEST_CASE("sixteen points at once choose what each of them would, in either instruction set") {
+        std::vector<TreeProgram*> programs;
+        if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) programs.push_back(treeAvx2);
+        if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
+            __builtin_cpu_supports("avx512vl"))
+            programs.push_back(treeAvx512);
+        for (const uint32_t count : {2u, 9u, 300u, 6000u})
+            for (TreeProgram* const program : programs) {
+                CAPTURE(count);
+                std::vector<LightTree::Emitter> emitters = scattered(count, count);
+                for (uint32_t i = 0; i < 40; ++i) // a sheet of many triangles: a patch
+                    emitters.push_back({.centre = {0.1f * float(i % 8), 0.1f * float(i / 8), 20},
+                                        .radius = 0.1f,
+                                        .intensity = 1 + float(i),
+                                        .area = 0.01f,
+                                        .light = count + i});
+                const LightTree tree(emitters, count + 40);
+                stats::Random u(6);
+                int others = 0, same = 0, off = 0;
+                double drift = 0;
+                for (int round = 0; round < 2500; ++round) {
+                    TreeLanes l;
+                    const auto lanes = uint32_t(round % 3 == 0 ? 0xffffu : u.next() >> 48);
+                    const Vec3 together = inBox(u, 12);
+                    for (uint32_t k = 0; k < TreeLanes::size; ++k) {
+                        const Vec3 p = round % 2 ? inBox(u, round % 5 ? 12.f : 100.f) : together + inBox(u, 0.01f), n = direction(u);
+                        l.px[k] = p.x, l.py[k] = p.y, l.pz[k] = p.z, l.nx[k] = n.x, l.ny[k] = n.y, l.nz[k] = n.z;
+                        l.pick[k] = uint32_t(u.next() >> 32);
+                    }
+                    program(viewOf(tree), lanes, l);
+                    for (uint32_t k = 0; k < TreeLanes::size; ++k) {
+                        if ((lanes >> k & 1) == 0) continue;
+                        const LightTree::Pick c =
+                            tree.choose({l.px[k], l.py[k], l.pz[k]}, {l.nx[k], l.ny[k], l.nz[k]}, double(l.pick[k]) * 0x1p-32);
+                        if (c.light != l.light[k]) { // a number that lies between two
+                            ++others;
+                            continue;
+                        }
+                        if (c.light == LightTree::none) continue;
+                        ++same;
+                        const double ratio = double(l.pmf[k]) / double(c.pmf) - 1;
+                        off += !(std::fabs(ratio) < 1e-3);
+                        drift += ratio;
+                    }
+                }
+                CHECK(same > 10'000);
+                CHECK(others < same / 5000 + 2);
+                CHECK(off == 0);
+                CHECK(std::fabs(drift / same) < 1e-6);
+            }
     }
 
     TEST_CASE("the same for any number of threads; nothing to choose from; one patch; extreme places") {

@@ -54,8 +54,8 @@ void same(const Scene& scene, const std::string& options = "", uint32_t maxDepth
     CHECK(d.albedo < 1e-5);
 }
 
-// All that lanes leave to the scalar closure, and all that they do: textures, normal maps, rough and absorbing glass, vertex colours,
-// cut-outs, moving and mirrored instances, textured lamps, every punctual light.
+// All that lanes leave to the scalar closure, and all that they do: textures, normal maps, rough, absorbing and dispersive glass, vertex
+// colours, cut-outs, moving and mirrored instances, textured lamps, every punctual light.
 MaterialDesc plain(const char* name, const Spectrum& color, float roughness) {
     MaterialDesc m;
     m.name = name;
@@ -99,6 +99,10 @@ SceneDesc everything(bool moves) {
     PrimitiveDesc coloured = shapes::sphere(0.35, 2);
     for (std::size_t i = 0; i < coloured.positions.size(); ++i) coloured.colors.push_back({i % 2 ? 1.f : 0.2f, 0.5f, 0.9f, 1});
     shapes::add(d, "coloured", std::move(coloured), grey, shapes::translation({1.2, -1.4, 0.3}));
+    MaterialDesc flint = plain("flint", Spectrum(1), 0);
+    flint.transmission = flint.dispersion = 1;
+    flint.volume = true;
+    shapes::add(d, "prism", shapes::sphere(0.35, 3), shapes::add(d, flint), shapes::translation({0.4, -1.5, -0.4}));
     const Affine places[] = {shapes::translation({-1.2, -1.5, 0}), shapes::translation({-0.3, -1.6, 0.4}) * scaling(-1, 0.5, 1.5)};
     addInstances(d, shapes::sphere(0.35, 3), ids[7], places);
     addInstances(d, shapes::box({0.2, 0.1, 0.2}), shapes::add(d, shapes::lamp("lamps", Spectrum(3, 2, 1))), places);

@@ -1,7 +1,7 @@
-// What a mixture of lobes reflects at one cosine and over all of them: Fresnel terms, coats, films, and what single scattering loses.
+#include "materials/mixture.h"
 #include "core/render/fault.h"
 #include "materials/dispersion.h"
-#include "materials/lobes.h"
+#include <memory>
 
 namespace chiaro {
 namespace {
@@ -21,7 +21,7 @@ Spectrum divided(const Spectrum& a, const Spectrum& b) noexcept { return {a[0] /
 LobeWeights lobeWeights(const BsdfParameters& p) noexcept {
     LobeWeights w;
     const float roughness = clamp01(p.roughness), transmission = clamp01(p.transmission);
-    w.alpha = roughness * roughness < Lobes::smallestAlpha ? 0 : roughness * roughness;
+    w.alpha = roughness * roughness < LobeMixture::smallestAlpha ? 0 : roughness * roughness;
     if (fault(Fault::alphaIsRoughness)) w.alpha = roughness;
     w.rough = w.alpha > 0;
     w.ior = p.ior == 0 ? 0 : std::max(p.ior, 1.f);
@@ -46,8 +46,7 @@ LobeWeights lobeWeights(const BsdfParameters& p) noexcept {
     return w;
 }
 
-Lobes::Lobes(const BsdfParameters& p, const Vec3& wo, bool outside, Transport transport) noexcept
-    : wo_{wo.x, wo.y, std::max(wo.z, 1e-7f)}, transport_(transport), outside_(outside), thin_(p.thin) {
+LobeMixture::LobeMixture(const BsdfParameters& p) noexcept : thin_(p.thin) {
     const LobeWeights w = lobeWeights(p);
     alpha_ = alphaX_ = alphaY_ = w.alpha;
     rough_ = w.rough;
@@ -64,15 +63,17 @@ Lobes::Lobes(const BsdfParameters& p, const Vec3& wo, bool outside, Transport tr
     passes_ = w.passes;
     cosines_ = diffuseLobe_ = w.diffuse;
     coated_ = w.coated;
-    if (p.anisotropy > 0 || p.iridescence > 0 || p.dispersion > 0 || p.diffuseTransmission > 0) addFurther(p, w);
+    if (p.anisotropy > 0 || p.iridescence > 0 || p.dispersion > 0 || p.diffuseTransmission > 0) [[unlikely]]
+        addFurther(p, w);
     if (coated_) slice_ = AlbedoSlice(alpha_, ior_);
     if (alpha_ >= leastCompensated && p.compensated && (metallic_ > 0 || glass_ > 0)) compensate(p);
     if (coated_) openAverage_ = openMean();
-    o_ = facing(wo_, outside_);
+    matt_ = diffuseLobe_ && !coated_ && !through_ && !reflects_ && passes_ == Passes::none;
+    if (matt_) mattEnergy_ = average(diffuseColor_);
 }
 
-void Lobes::addFurther(const BsdfParameters& p, const LobeWeights& w) noexcept {
-    beginFurther();
+void LobeMixture::addFurther(const BsdfParameters& p, const LobeWeights& w) noexcept {
+    std::construct_at(&x_);
     if (p.diffuseTransmission > 0) {
         const float share = clamp01(p.diffuseTransmission);
         diffuseColor_ *= 1 - share;
@@ -94,7 +95,7 @@ void Lobes::addFurther(const BsdfParameters& p, const LobeWeights& w) noexcept {
     if (p.iridescence > 0) addFilm(p);
 }
 
-void Lobes::addFilm(const BsdfParameters& p) noexcept {
+void LobeMixture::addFilm(const BsdfParameters& p) noexcept {
     film_ = true;
     x_.filmWeight = clamp01(p.iridescence);
     x_.film = ThinFilm(p.filmIor, p.filmThickness);
@@ -110,9 +111,9 @@ void Lobes::addFilm(const BsdfParameters& p) noexcept {
 // ---- one cosine
 
 // F of the dielectric where the curve's shape has this value: KHR_materials_specular.
-Spectrum Lobes::dielectric(float shape) const noexcept { return atLeast0(lerp(f0_, f90_, shape)); }
+Spectrum LobeMixture::dielectric(float shape) const noexcept { return atLeast0(lerp(f0_, f90_, shape)); }
 
-Lobes::Split Lobes::split(float cosTheta, bool outside, const Spectrum& iors) const noexcept {
+LobeMixture::Split LobeMixture::split(float cosTheta, bool outside, const Spectrum& iors) const noexcept {
     if (dispersion_ == 0) return splitAt(cosTheta, outside, ior_);
     Split s;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -123,7 +124,7 @@ Lobes::Split Lobes::split(float cosTheta, bool outside, const Spectrum& iors) co
     return s;
 }
 
-Lobes::Split Lobes::splitAt(float cosTheta, bool outside, float ior) const noexcept {
+LobeMixture::Split LobeMixture::splitAt(float cosTheta, bool outside, float ior) const noexcept {
     const float schlick = schlickShape(cosTheta);
     Split s{lerp(metalColor_, metallic_, schlick), Spectrum(0)};
     if (film_ && metallic_ > 0) s.r = mix(s.r, x_.film.overMetal(x_.metalF0, cosTheta) * metallic_, x_.filmWeight);
@@ -151,7 +152,7 @@ Lobes::Split Lobes::splitAt(float cosTheta, bool outside, float ior) const noexc
 }
 
 // Of reflection against transmission, once the choice has fallen on either.
-float Lobes::reflectionChance(const Split& s) const noexcept {
+float LobeMixture::reflectionChance(const Split& s) const noexcept {
     if (passes_ == Passes::none) return 1;
     if (!reflects_) return 0;
     const float r = average(s.r), t = average(s.t);
@@ -160,15 +161,15 @@ float Lobes::reflectionChance(const Split& s) const noexcept {
 
 // ---- all cosines
 
-float Lobes::whiteAlbedo(const Vec3& w) const noexcept { return brushed_ ? x_.brush.at(w) : slice_.one(std::fabs(w.z)); }
-float Lobes::whiteAverage() const noexcept { return brushed_ ? x_.brush.average() : slice_.average().one; }
+float LobeMixture::whiteAlbedo(const Vec3& w) const noexcept { return brushed_ ? x_.brush.at(w) : slice_.one(std::fabs(w.z)); }
+float LobeMixture::whiteAverage() const noexcept { return brushed_ ? x_.brush.average() : slice_.average().one; }
 
-Spectrum Lobes::reflectedByCoat(const LayerAlbedo& e, const Spectrum& underFilm) const noexcept {
+Spectrum LobeMixture::reflectedByCoat(const LayerAlbedo& e, const Spectrum& underFilm) const noexcept {
     const Spectrum plain = f0_ * (e.one - e.shape) + Spectrum(f90_ * e.shape);
     return film_ ? mix(plain, underFilm, x_.filmWeight) : plain;
 }
 
-Spectrum Lobes::open(const Vec3& w) const noexcept {
+Spectrum LobeMixture::open(const Vec3& w) const noexcept {
     if (!coated_) return Spectrum(1);
     const float mu = std::fabs(w.z);
     LayerAlbedo e = slice_.at(mu);
@@ -181,7 +182,7 @@ Spectrum Lobes::open(const Vec3& w) const noexcept {
     return atLeast0(Spectrum(1) - reflectedByCoat(e, film));
 }
 
-Spectrum Lobes::openMean() const noexcept {
+Spectrum LobeMixture::openMean() const noexcept {
     LayerAlbedo e = slice_.average();
     Spectrum film(0);
     if (film_) film = rough_ ? x_.curveAlbedo.average(x_.coatCurve) : CurveAlbedo::mean(x_.coatCurve);
@@ -192,72 +193,76 @@ Spectrum Lobes::openMean() const noexcept {
     return atLeast0(Spectrum(1) - reflectedByCoat(e, film));
 }
 
-void Lobes::compensate(const BsdfParameters& p) noexcept {
-    beginFurther();
+void LobeMixture::compensate(const BsdfParameters& p) noexcept {
     if (!coated_) slice_ = AlbedoSlice(alpha_, ior_);
     const float average = whiteAverage(), factor = 1 / (pi * std::max(1 - average, leastLoss));
-    x_.laterReflected = x_.laterPassed = Spectrum(0);
-    x_.laterMean = pi * (1 - average);
+    laterMean_ = pi * (1 - average);
     if (metallic_ > 0) {
         Spectrum mean = p.baseColor + (Spectrum(1) - p.baseColor) * (1 / 21.f);
         if (film_) mean = mix(mean, CurveAlbedo::mean(x_.metalCurve), x_.filmWeight);
-        for (std::size_t i = 0; i < 3; ++i) x_.laterReflected[i] = metallic_ * laterFacets(std::min(mean[i], 1.f), average);
+        for (std::size_t i = 0; i < 3; ++i) laterReflected_[i] = metallic_ * laterFacets(std::min(mean[i], 1.f), average);
     }
-    if (glass_ > 0 && ior_ == 0 && !thin_) x_.laterReflected += Spectrum(glass_ * factor);
+    if (glass_ > 0 && ior_ == 0 && !thin_) laterReflected_ += Spectrum(glass_ * factor);
     if (passes_ == Passes::rough && thin_) {
         Spectrum r = dielectric(AlbedoSlice(0, ior_).average().shape);
         if (film_) r = mix(r, CurveAlbedo::mean(x_.coatCurve), x_.filmWeight);
         for (float& x : r.c) x = paneReflectance(x);
-        x_.laterReflected += r * (glass_ * factor);
-        x_.laterPassed = tint_ * (Spectrum(1) - r) * factor;
+        laterReflected_ += r * (glass_ * factor);
+        laterPassed_ = tint_ * (Spectrum(1) - r) * factor;
     }
-    compensated_ = !black(x_.laterReflected) || !black(x_.laterPassed);
+    compensated_ = !black(laterReflected_) || !black(laterPassed_);
     if (passes_ == Passes::rough && !thin_) compensateGlass();
     cosines_ = cosines_ || compensated_ || losesGlass_;
 }
 
 // Each channel's own.
-template <class Loss> Spectrum Lobes::eachGlass(const Loss& loss) const noexcept {
-    Spectrum s = loss(x_.glassLoss[0]);
+template <class Loss> Spectrum LobeMixture::eachGlass(const Loss& loss) const noexcept {
+    Spectrum s = loss(y_.loss[0]);
     if (dispersion_ > 0)
-        for (std::size_t i = 1; i < 3; ++i) s[i] = loss(x_.glassLoss[i])[i];
+        for (std::size_t i = 1; i < 3; ++i) s[i] = loss(y_.loss[i])[i];
     return s;
 }
 
-void Lobes::compensateGlass() noexcept {
+void LobeMixture::compensateGlass() noexcept {
     losesGlass_ = true;
-    for (std::size_t i = 0; i < std::size_t(passages()); ++i) x_.glassLoss[i] = GlassLoss(alpha_, dispersion_ > 0 ? iors_[i] : ior_);
-    x_.glassF0 = film_ ? mix(f0_, CurveAlbedo::mean(x_.coatCurve), x_.filmWeight) : f0_;
-    x_.glassBrush = brushed_ ? (1 - x_.brush.average()) / std::max(1 - slice_.average().one, 1e-4f) : 1;
+    std::construct_at(&y_);
+    for (std::size_t i = 0; i < std::size_t(passages()); ++i) y_.loss[i] = GlassLoss(alpha_, dispersion_ > 0 ? iors_[i] : ior_);
+    y_.f0 = film_ ? mix(f0_, CurveAlbedo::mean(x_.coatCurve), x_.filmWeight) : f0_;
+    y_.brush = brushed_ ? (1 - x_.brush.average()) / std::max(1 - slice_.average().one, 1e-4f) : 1;
     const auto mean = [&](bool outside) {
-        return eachGlass([&](const GlassLoss& g) { return g.average(outside, x_.glassF0, f90_); }) * x_.glassBrush;
+        return eachGlass([&](const GlassLoss& g) { return g.average(outside, y_.f0, f90_); }) * y_.brush;
     };
     const Spectrum outside = mean(true), within = mean(false) * squaredIors(false), both = outside + within + Spectrum(1e-6f);
     // Brush and film change the losses by factors that are estimates: a part is left out so that they never give more than is lost.
-    x_.laterGlass = divided(tint_, both) * ((brushed_ ? 0.85f : film_ ? 0.97f : 1.f) / pi);
-    x_.glassOutside = average(outside) / average(both);
+    y_.factor = divided(tint_, both) * ((brushed_ ? 0.85f : film_ ? 0.97f : 1.f) / pi);
+    y_.outside = average(outside) / average(both);
 }
 
-Spectrum Lobes::squaredIors(bool outside) const noexcept {
+Spectrum LobeMixture::squaredIors(bool outside) const noexcept {
     if (outside) return Spectrum(1);
     return dispersion_ > 0 ? iors_ * iors_ : Spectrum(sqr(ior_));
 }
 
-Lobes::Facing Lobes::facing(const Vec3& w, bool outside) const noexcept {
+LobeMixture::Facing LobeMixture::facing(const Vec3& w, bool outside, Densities densities) const noexcept {
     Facing f;
     f.mu = std::fabs(w.z);
     f.outside = outside;
+    if (matt_) {
+        f.spread = 1;
+        f.energy = mattEnergy_;
+        return f;
+    }
     if (coated_) f.open = open(w);
     if (compensated_) f.loss = std::max(1 - whiteAlbedo(w), 0.f);
     if (losesGlass_) {
-        f.glassLoss = eachGlass([&](const GlassLoss& g) { return g.at(f.mu, outside, x_.glassF0, f90_); });
+        f.glassLoss = eachGlass([&](const GlassLoss& g) { return g.at(f.mu, outside, y_.f0, f90_); });
         if (brushed_) f.glassLoss *= (1 - x_.brush.at(w)) / std::max(1 - slice_.one(f.mu), 1e-4f);
     }
-    weighChoices(f);
+    if (densities == Densities::both) weighChoices(f);
     return f;
 }
 
-void Lobes::weighChoices(Facing& f) const noexcept {
+void LobeMixture::weighChoices(Facing& f) const noexcept {
     float here = diffuseLobe_ ? average(diffuseColor_ * f.open) : 0, there = through_ ? average(x_.throughColor * f.open) : 0;
     if (!reflects_ && passes_ == Passes::none) {
         f.energy = here + there;
@@ -266,11 +271,11 @@ void Lobes::weighChoices(Facing& f) const noexcept {
         return;
     }
     if (compensated_) {
-        here += average(x_.laterReflected) * (f.loss * x_.laterMean);
-        there += average(x_.laterPassed) * (f.loss * x_.laterMean);
+        here += average(laterReflected_) * (f.loss * laterMean_);
+        there += average(laterPassed_) * (f.loss * laterMean_);
     }
     if (losesGlass_) {
-        const float lost = average(tint_ * f.glassLoss), out = x_.glassOutside;
+        const float lost = average(tint_ * f.glassLoss), out = y_.outside;
         here += lost * (f.outside ? out : 1 - out);
         there += lost * (f.outside ? 1 - out : out);
     }
@@ -279,25 +284,6 @@ void Lobes::weighChoices(Facing& f) const noexcept {
     f.energy = cosines + rest;
     f.beyond = there > 0 ? there / cosines : 0;
     f.spread = !cosines_ ? 0 : !(cosines + rest > 0) ? 1 : rough_ ? std::min(chance, mostSpread) : chance;
-}
-
-Spectrum Lobes::albedo() const noexcept {
-    Spectrum sum = diffuseAlbedo();
-    if (through_) sum += x_.throughColor * o_.open;
-    if (!reflects_ && passes_ == Passes::none) return sum;
-    if (!rough_) {
-        const Split s = split(wo_.z, outside_);
-        return sum + s.r + s.t;
-    }
-    const LayerAlbedo e = (coated_ || compensated_ ? slice_ : AlbedoSlice(alpha_, ior_)).at(wo_.z);
-    Spectrum metal = metalColor_ * (e.one - e.shape) + Spectrum(metallic_ * e.shape), film(0);
-    if (film_) {
-        film = x_.curveAlbedo.at(wo_.z, x_.coatCurve);
-        if (metallic_ > 0) metal = mix(metal, x_.curveAlbedo.at(wo_.z, x_.metalCurve) * metallic_, x_.filmWeight);
-    }
-    if (compensated_) metal += x_.laterReflected * (o_.loss * x_.laterMean);
-    const Spectrum layer = reflectedByCoat(e, film);
-    return sum + metal + layer * (coat_ + glass_) + tint_ * (Spectrum(1) - layer);
 }
 
 } // namespace chiaro
