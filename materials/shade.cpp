@@ -27,7 +27,7 @@ const MaterialDesc* inside(const Scene& scene, const SurfacePoint* s, const Vec3
 
 Bsdf shade(const Scene& scene, const SurfacePoint& s, const Vec3& wo, const Footprint& here, Wavelengths& lambda, Transport transport,
            Densities densities) noexcept {
-    if (shares)
+    if constexpr (shares)
         if (const ClosureRecord* const r = ClosureTable::of(scene).find(s, lambda)) return Bsdf(*r, s.ng, s.ns, wo, transport, densities);
     const MaterialDesc& m = scene.material(s.material);
     const SlotReader read(scene, s, wo, here);

@@ -12,6 +12,7 @@
 #include "io/image_read.h"
 #include "tests/converged/comparison.h"
 #include "tests/scene_kit.h"
+#include "tests/statistics.h"
 #include "tools/judge/convergence.h"
 #include <algorithm>
 #include <doctest/doctest.h>
@@ -93,15 +94,7 @@ Weights weights(const Traits& t, std::span<const double> powers) {
     return w;
 }
 
-struct Sum {
-    double n = 0, mean = 0, squares = 0;
-    void add(double x) {
-        const double d = x - mean;
-        mean += d / ++n;
-        squares += d * (x - mean);
-    }
-    judge::Estimate estimate() const { return {mean, std::sqrt(squares / (n - 1) / n), n - 1}; }
-};
+judge::Estimate estimateOf(const stats::Moments& m) { return {m.mean, m.error(), m.n - 1}; }
 
 void judgeCase(const std::string& name, const Seen& s, const Case& c) {
     const IntegratorChoice method = chooseIntegrator(c.method), reference = chooseIntegrator(c.reference);
@@ -111,7 +104,7 @@ void judgeCase(const std::string& name, const Seen& s, const Case& c) {
     const PathClasses classes =
         PathClasses::make({.paths = std::string(c.paths), .split = {}, .maxDepth = s.maxDepth, .within = {}, .without = misses});
     const Weights w = weights(t, c.powers.empty() ? t.convergencePowers : c.powers);
-    Sum limit, residual, level, first;
+    stats::Moments limit, residual, level, first;
     for (uint64_t r = 0; r < c.replicates; ++r) {
         double at0 = 0, left = 0, h = method.options.real(t.convergesOver), own = 0;
         for (std::size_t k = 0; k < radii; ++k, h *= t.convergenceStep) {
@@ -128,9 +121,9 @@ void judgeCase(const std::string& name, const Seen& s, const Case& c) {
         first.add(own - truth);
         level.add(truth);
     }
-    const judge::Test off = judge::oneSample(limit.estimate(), 0), fit = judge::oneSample(residual.estimate(), 0);
+    const judge::Test off = judge::oneSample(estimateOf(limit), 0), fit = judge::oneSample(estimateOf(residual), 0);
     const judge::Interval interval = judge::confidenceInterval(off, 0.05),
-                          own = judge::confidenceInterval(judge::oneSample(first.estimate(), 0), 0.05);
+                          own = judge::confidenceInterval(judge::oneSample(estimateOf(first), 0), 0.05);
     const auto percent = [&](double x) { return 100 * x / level.mean; };
     fmt::print("| {} | {} | `{}` | {} | {:+.2f} [{:+.2f}, {:+.2f}] | {:+.2f} [{:+.2f}, {:+.2f}] | {:.2g} | {:.2g} |\n", name,
                c.paths.empty() ? "all" : fmt::format("`{}`", c.paths), c.method, c.reference, percent(first.mean), percent(own.low),
