@@ -199,7 +199,7 @@ TEST_SUITE("limits") {
                                   {causticSppm, "light", "L S+ D E", .02, 128}});
     }
     // Its sky through water is what path has noise of.
-    TEST_CASE("caustic-pool") { judgeAll("caustic-pool", {{"photon", "path", "", .03, 16, 4096}, {"sppm", "path", "", .03, 16, 4096}}); }
+    TEST_CASE("caustic-pool") { judgeAll("caustic-pool", {{"photon", "path", "", .05, 16, 1024}, {"sppm", "path", "", .05, 16, 1024}}); }
     TEST_CASE("stained-glass-lamp") { judgeAll("stained-glass-lamp", {{"photon", "path", "", .02}, {"sppm", "path", "", .02}}); }
-    TEST_CASE("lamp-room") { judgeAll("lamp-room", {{"photon", "path", "", .02, 16, 1024}, {"sppm", "path", "", .02, 16, 1024}}); }
+    TEST_CASE("lamp-room") { judgeAll("lamp-room", {{"photon", "path", "", .03, 16, 256}, {"sppm", "path", "", .03, 16, 256}}); }
 } // TEST_SUITE
