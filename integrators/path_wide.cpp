@@ -17,28 +17,18 @@ PathProgram* program(const Scene& scene) noexcept {
     return (scene.isa() == "avx512" || scene.isa() == "avx2") && __builtin_cpu_supports("fma") ? followPathsAvx2 : nullptr;
 }
 
-// Do classes ask for nothing but a depth? Then a path needs no state.
-bool onlyDepth(const PathClasses& classes) noexcept {
-    if (!classes.layerNames().empty()) return false;
-    PathState state = classes.eye();
-    for (uint32_t depth = 0; depth <= unlimitedDepth; ++depth) {
-        if (classes.sorts(state)) return false;
-        for (int kind = 0; kind < lightKindCount; ++kind)
-            if (classes.reached(state, LightKind(kind)) != otherLayer) return false;
-        if (!classes.continues(state)) return depth == classes.maxDepth();
-        const PathState next = classes.eye(state, Event::DR);
-        for (int event = 0; event < eventCount; ++event)
-            if (classes.eye(state, Event(event)) != next) return false;
-        if (next == 0) return false;
-        if (next == state) return classes.maxDepth() >= unlimitedDepth;
-        state = next;
-    }
-    return false;
-}
-
 // Does a path pick a wavelength somewhere, and keep it?
 bool parts(const Scene& scene) noexcept {
     return std::any_of(scene.materials().begin(), scene.materials().end(), [](const MaterialDesc& m) { return m.dispersion > 0; });
+}
+
+// From above: triangles with their texture coordinates and curvatures, lights with the table that chooses among them, materials.
+std::size_t tableBytes(const Scene& scene) noexcept {
+    constexpr std::size_t coordinates = 8 * sizeof(float), curvature = sizeof(float), choice = 4 * sizeof(float);
+    const SceneCounts& n = scene.counts();
+    const bool textured = !scene.textures().textures().empty();
+    return n.triangles * (sizeof(WideTriangle) + (textured ? coordinates + curvature : 0)) +
+           (n.emissiveTriangles + n.punctualLights) * (sizeof(WideLight) + choice) + scene.materials().size() * sizeof(WideMaterial);
 }
 
 SurfacePoint from(const VertexLanes& l, uint32_t k) noexcept {
@@ -55,6 +45,9 @@ uint32_t mediumOf(const MaterialDesc& m, uint32_t id) noexcept {
     if (!m.volume || !(m.transmission > 0 || m.diffuseTransmission > 0) || m.metallic >= 1) return 0;
     return (id + 1) | (std::isfinite(m.attenuationDistance) ? VertexLanes::absorbs : 0u);
 }
+PickAndPoint numbers(const VertexLanes& l, int i, uint32_t k) noexcept {
+    return {double(l.pick[i][k]) * 0x1p-32, {l.u[i][0][k], l.u[i][1][k]}};
+}
 template <class F> void each(uint32_t lanes, F&& f) noexcept {
     for (; lanes; lanes &= lanes - 1) f(uint32_t(__builtin_ctz(lanes)));
 }
@@ -66,26 +59,26 @@ float PathSettings::hitWeight(bool delta, float pdfW, float lightPdfW) const noe
     return mis ? powerHeuristic(pdfW, lightPdfW) : 0.f;
 }
 
-WidePaths::WidePaths(const Scene& scene, const PathSettings& settings, uint32_t length, const Executor* run)
-    : scene_(scene), settings_(settings), length_(std::clamp(length, PathStream::least, PathStream::most)), surfaces_(scene, run),
-      materials_(scene), lights_(scene), textures_(scene, surfaces_), dispersive_(parts(scene)) {}
+WidePaths::WidePaths(const Job& job, const PathSettings& settings, uint32_t length)
+    : scene_(job.scene), settings_(settings), length_(std::clamp(length, PathStream::least, PathStream::most)), surfaces_(scene_, &job.run),
+      materials_(scene_), lights_(scene_), textures_(scene_, surfaces_), classes_(job.classes), dispersive_(parts(scene_)) {}
 
 std::unique_ptr<const WidePaths> WidePaths::make(const Job& job, const PathSettings& settings, uint32_t length) {
-    if (!program(job.scene) || job.sampler != SamplerKind::sobol || !onlyDepth(job.classes)) return nullptr;
-    if (job.scene.counts().triangles * sizeof(WideTriangle) > job.memoryLimit) {
-        job.notes.warn("no memory for the table of triangles that paths in lanes read; they are followed one by one");
+    if (!program(job.scene) || job.sampler != SamplerKind::sobol) return nullptr;
+    if (tableBytes(job.scene) > job.memoryLimit) {
+        job.notes.warn("no memory for the tables that paths in lanes read; they are followed one by one. Give more with --max-memory.");
         return nullptr;
     }
-    return std::make_unique<WidePaths>(job.scene, settings, length, &job.run);
+    return std::make_unique<WidePaths>(job, settings, length);
 }
 bool WidePaths::able(const Job& job, const FilmLayout& layout) noexcept {
-    return job.sampler == SamplerKind::sobol && layout.layers.empty() && !layout.costs && !layout.photons && onlyDepth(job.classes);
+    return job.sampler == SamplerKind::sobol && !layout.costs && !layout.photons;
 }
 
 void WidePaths::run(const Job& job, StartSource& source, SampleLanes& samples) const noexcept {
     thread_local const std::unique_ptr<PathStream> room(new PathStream); // not filled with zeros
     const Footprint pixel = textures_.filtered() ? job.view.camera.footprint() : Footprint{};
-    program(scene_)(*this, job.classes.maxDepth(), pixel, source, samples, *room);
+    program(scene_)(*this, job.classes, pixel, source, samples, *room);
 }
 
 void WidePaths::found(VertexLanes& l, uint32_t lanes) const noexcept {
@@ -122,37 +115,50 @@ void WidePaths::attenuate(VertexLanes& l, uint32_t lanes) const noexcept {
     });
 }
 
-uint32_t WidePaths::vertex(VertexLanes& l, uint32_t lanes, uint32_t maxDepth) const noexcept {
+void WidePaths::direct(VertexLanes& l, uint32_t k, const SurfacePoint& at, const Bsdf& bsdf, const PathClasses* classes) const noexcept {
+    const PickAndPoint uLight = numbers(l, 0, k);
+    const auto light = scene_.lights().sampleTowards(at, uLight.pick, uLight.u);
+    if (!light || !(light->pdfW > 0)) return;
+    const PathState state = classes ? PathState(l.state[k]) : PathState(0);
+    const BsdfValue value = bsdf.evaluate(light->wi, classes ? terms(*classes, state) : Terms::together);
+    l.layer[0][k] = l.layer[1][k] = 0;
+    for (int i = 0; i < value.n; ++i)
+        l.layer[i][k] = classes ? classes->reached(classes->eye(state, value.terms[i].event), light->kind) : otherLayer;
+    if ((l.layer[0][k] | l.layer[1][k]) == 0 || black(value.f())) return;
+    const float weight = settings_.mis && !light->delta ? powerHeuristic(light->pdfW, value.pdfW) : 1.f;
+    const float cosine = fault(Fault::receiverCosineMissing) ? 1.f : absDot(bsdf.normal(), light->wi);
+    const Spectrum through = segmentTransmittance(scene_, &at, light->wi, nullptr, light->shadow.tfar);
+    const float factor = cosine * weight / light->pdfW;
+    for (int i = 0; i < value.n; ++i) put(l.arriving[i], k, value.terms[i].f * light->radiance * through * factor);
+    l.shadow.set(k, light->shadow);
+}
+
+uint32_t WidePaths::vertex(VertexLanes& l, uint32_t lanes, const Wanted& wanted) const noexcept {
+    const PathClasses* const classes = wanted.classes;
     uint32_t alive = 0;
     each(lanes, [&](uint32_t k) {
         const Ray ray = l.rays.ray(k);
         const SurfacePoint at = scene_.point(l.hits.hit(k), ray);
         const uint32_t depth = l.depth[k];
+        const auto state = PathState(classes ? l.state[k] : 0);
+        const bool more = classes ? classes->continues(state) : depth < wanted.maxDepth;
         l.shadow.tfar[k] = -1;
-        if (depth >= maxDepth && depth > 0) return;
+        if (!more && depth > 0) return;
         Wavelengths lambda{l.hero[k]};
         const Footprint here{l.width[k], l.spread[k]};
         const Bsdf bsdf = shade(scene_, at, -ray.d, here, lambda, Transport::radiance, Densities::forward);
         put(l.albedo, k, bsdf.albedo());
         put(l.normal, k, {bsdf.normal().x, bsdf.normal().y, bsdf.normal().z});
-        if (depth >= maxDepth) return;
-        const auto numbers = [&](int i) { return PickAndPoint{double(l.pick[i][k]) * 0x1p-32, {l.u[i][0][k], l.u[i][1][k]}}; };
-        const PickAndPoint uLight = numbers(0), uBsdf = numbers(1);
-        if (settings_.nee && bsdf.smooth() && !(fault(Fault::bounceDropped) && depth == 1)) {
-            const auto light = scene_.lights().sampleTowards(at, uLight.pick, uLight.u);
-            const BsdfValue value = light && light->pdfW > 0 ? bsdf.evaluate(light->wi) : BsdfValue{};
-            if (value.n > 0 && !black(value.f())) {
-                const float weight = settings_.mis && !light->delta ? powerHeuristic(light->pdfW, value.pdfW) : 1.f;
-                const float cosine = fault(Fault::receiverCosineMissing) ? 1.f : absDot(bsdf.normal(), light->wi);
-                const Spectrum through = segmentTransmittance(scene_, &at, light->wi, nullptr, light->shadow.tfar);
-                put(l.arriving, k, value.f() * light->radiance * through * (cosine * weight / light->pdfW));
-                l.shadow.set(k, light->shadow);
-            }
-        }
+        if (!more) return;
+        if (settings_.nee && bsdf.smooth() && !(fault(Fault::bounceDropped) && depth == 1)) direct(l, k, at, bsdf, classes);
+        const PickAndPoint uBsdf = numbers(l, 1, k);
         const auto sample = bsdf.sample(min(float(uBsdf.pick), oneMinusEpsilon), uBsdf.u);
-        if (!sample || black(sample->weight)) return;
+        if (!sample) return;
+        const Turn next = classes ? turn(*classes, state, bsdf, *sample, l.uClass[k]) : Turn{1, sample->weight, sample->event};
+        if (!next.state || black(next.weight)) return;
         alive |= 1u << k;
-        for (std::size_t c = 0; c < 3; ++c) l.throughput[c][k] *= sample->weight[c];
+        l.state[k] = next.state;
+        for (std::size_t c = 0; c < 3; ++c) l.throughput[c][k] *= next.weight[c];
         l.hero[k] = sample->after(lambda).hero;
         l.pdfW[k] = sample->delta ? -sample->pdfW : sample->pdfW;
         l.spread[k] = scattered(scene_, at, here, -ray.d, sample->wi, sample->delta, sample->pdfW).spread;

@@ -38,11 +38,13 @@ PathLog::Vertex shadowVertex(const PathLog& log, const Scene& scene, const Surfa
 }
 
 Turn turn(const PathClasses& classes, PathState state, const Bsdf& bsdf, const BsdfSample& sample, Sampler& sampler) noexcept {
-    if (sample.delta || !classes.sorts(state)) {
-        sampler.skip(1);
-        return {classes.eye(state, sample.event), sample.weight, sample.event};
-    }
-    const float uClass = sampler.get1D();
+    if (drawsClass(classes, state, sample)) return turn(classes, state, bsdf, sample, sampler.get1D());
+    sampler.skip(1);
+    return {classes.eye(state, sample.event), sample.weight, sample.event};
+}
+
+Turn turn(const PathClasses& classes, PathState state, const Bsdf& bsdf, const BsdfSample& sample, float uClass) noexcept {
+    if (!drawsClass(classes, state, sample)) return {classes.eye(state, sample.event), sample.weight, sample.event};
     const BsdfValue value = bsdf.evaluate(sample.wi, Terms::apart);
     PathState next[2] = {};
     float share[2] = {};

@@ -18,6 +18,11 @@ struct Turn {
 // The direction came from the mixture. Where classes still matter, the event's class is drawn from those alive in proportion to the
 // luminance of f_class, and the weight divided by that probability: classes sum to the picture, densities stay those of the mixture.
 Turn turn(const PathClasses&, PathState, const Bsdf&, const BsdfSample&, Sampler&) noexcept; // takes one dimension
+// Does the event's class have to be drawn? Then by a number of the caller's own.
+inline bool drawsClass(const PathClasses& classes, PathState state, const BsdfSample& sample) noexcept {
+    return !sample.delta && classes.sorts(state);
+}
+Turn turn(const PathClasses&, PathState, const Bsdf&, const BsdfSample&, float uClass) noexcept;
 
 enum class Mis : bool { off, on };
 // Adds the light that arrives at `at` from one light sample, in the layers of its path classes. Counts the shadow ray; the depth of the

@@ -43,6 +43,7 @@ void parseModel(GltfFile& file) {
 
 void countPlaced(Conversion& to) {
     to.sizes.instances = to.scene.instances.size();
+    to.sizes.materials = to.scene.materials.size();
     std::vector<uint64_t> emissive(to.scene.meshes.size());
     for (size_t i = 0; i < emissive.size(); ++i)
         for (const PrimitiveDesc& p : to.scene.meshes[i].primitives) {

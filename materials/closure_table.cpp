@@ -24,6 +24,7 @@ ClosureRecord::ClosureRecord(const BsdfParameters& p) noexcept : parameters(p), 
 ClosureTable::ClosureTable(const Scene& scene) {
     std::vector<bool> drawn(scene.materials().size(), false);
     for (const DrawnPart& p : scene.parts()) drawn[p.material] = true;
+    entries_.reserve(scene.materials().size());
     for (uint32_t id = 0; id < scene.materials().size(); ++id) {
         const MaterialDesc& m = scene.material(id);
         const bool shared = drawn[id] && !variesOver(m);

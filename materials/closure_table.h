@@ -1,6 +1,6 @@
 // ClosureTable: of every material of a scene that looks the same at all its points, what its closures share: parameters, and the mixture of
-// lobes with its albedo slices, which would else be made at every hit. Made by the first who shades a point of the scene
-// (Scene::table), read by all threads. The closures are the same to the last bit.
+// lobes with its albedo slices, which would else be made at every hit. Made when the scene is compiled (Scene::compile), read by all
+// threads. The closures are the same to the last bit; of a scene without a table every hit makes its own.
 #pragma once
 #include "core/scene/scene.h"
 #include "materials/layers.h"
@@ -19,7 +19,9 @@ struct ClosureRecord {
 class ClosureTable final : public SceneTable {
 public:
     explicit ClosureTable(const Scene&);
-    static const ClosureTable& of(const Scene& scene) noexcept { return static_cast<const ClosureTable&>(scene.table(make)); }
+    static std::unique_ptr<const SceneTable> make(const Scene&); // for Scene::compile
+    static const ClosureTable* of(const Scene& scene) noexcept { return static_cast<const ClosureTable*>(scene.table()); }
+    std::size_t bytes() const noexcept override { return entries_.capacity() * sizeof(Entry); }
 
     // What the closure at a point is made from; null: its parameters are its own.
     const ClosureRecord* find(const SurfacePoint& s, const Wavelengths& lambda) const noexcept {
@@ -35,7 +37,6 @@ private:
         bool shared = false;    // it does not vary with textures, or the way that a brush runs: else the record says nothing
         bool disperses = false; // of one wavelength it is another closure
     };
-    static std::unique_ptr<const SceneTable> make(const Scene&);
     std::vector<Entry> entries_;
     bool absorbs_ = false;
 };

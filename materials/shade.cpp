@@ -28,7 +28,8 @@ const MaterialDesc* inside(const Scene& scene, const SurfacePoint* s, const Vec3
 Bsdf shade(const Scene& scene, const SurfacePoint& s, const Vec3& wo, const Footprint& here, Wavelengths& lambda, Transport transport,
            Densities densities) noexcept {
     if constexpr (shares)
-        if (const ClosureRecord* const r = ClosureTable::of(scene).find(s, lambda)) return Bsdf(*r, s.ng, s.ns, wo, transport, densities);
+        if (const ClosureTable* const table = ClosureTable::of(scene))
+            if (const ClosureRecord* const r = table->find(s, lambda)) return Bsdf(*r, s.ng, s.ns, wo, transport, densities);
     const MaterialDesc& m = scene.material(s.material);
     const SlotReader read(scene, s, wo, here);
     BsdfParameters p = surfaceParameters(read, m, s);
@@ -41,7 +42,7 @@ Bsdf shade(const Scene& scene, const SurfacePoint& s, const Vec3& wo, const Foot
 
 Spectrum segmentTransmittance(const Scene& scene, const SurfacePoint* from, const Vec3& wi, const SurfacePoint* to,
                               float distance) noexcept {
-    if (!ClosureTable::of(scene).absorbs()) return Spectrum(1);
+    if (const ClosureTable* const table = ClosureTable::of(scene); table && !table->absorbs()) return Spectrum(1);
     const MaterialDesc* m = inside(scene, from, wi);
     if (m == nullptr) m = inside(scene, to, -wi);
     if (m == nullptr || !std::isfinite(m->attenuationDistance) || !(m->attenuationDistance > 0)) return Spectrum(1);

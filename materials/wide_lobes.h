@@ -171,7 +171,8 @@ struct WideLobes {
         return select(straight | refracted, select(reflects, chance, Float(0.f)), Float(1.f));
     }
 
-    CHIARO_LANE WideLobeValue evaluate(const Vec3w& wi) const noexcept {
+    // apart: takes the glossy lobes, f the diffuse one alone; null: f has both.
+    CHIARO_LANE WideLobeValue evaluate(const Vec3w& wi, Rgbw* apart = nullptr) const noexcept {
         WideLobeValue v{Rgbw(Float(0.f)), Float(0.f)};
         const Mask there = smooth() & (wi.z > Float(0.f));
         Rgbw openI(Float(1.f));
@@ -188,7 +189,9 @@ struct WideLobes {
             if (layered) f = select(coated, f * (openO.c[i] * openI.c[i] / max(openAverage.c[i], Float(1e-6f))), f);
             v.f.c[i] = select(diffuse, f, Float(0.f));
         }
-        if (any(later & there)) v.f = select(later, v.f + laterColor * (lossO * lossI), v.f);
+        Rgbw& mirrored = apart ? *apart : v.f;
+        if (apart) *apart = Rgbw(Float(0.f));
+        if (any(later & there)) mirrored = select(later, mirrored + laterColor * (lossO * lossI), mirrored);
         v.pdfW = diffuseO * cosineHemispherePdfW(wi.z);
         if (any(glossy & there)) {
             const Ggx<Float> ggx{alpha, alpha};
@@ -196,10 +199,11 @@ struct WideLobes {
             const Float c = dot(wo, h), d = ggx.d(h), scale = d * ggx.visibility(wo, wi) * Float(fault(Fault::glossyBias) ? 1.01f : 1.f);
             const Split s = split(c);
             const Float pdf = fault(Fault::visiblePdfByNormals) ? d * h.z / (Float(4.f) * c) : reflectionPdfW(ggx, wo, d);
-            v.f = select(glossy, v.f + s.r * scale, v.f);
+            mirrored = select(glossy, mirrored + s.r * scale, mirrored);
             v.pdfW = select(glossy, v.pdfW + (Float(1.f) - diffuseO) * pdf, v.pdfW);
         }
         v.f = select(there, v.f, Rgbw(Float(0.f)));
+        if (apart) *apart = select(there, *apart, Rgbw(Float(0.f)));
         v.pdfW = select(there, v.pdfW, Float(0.f));
         return v;
     }

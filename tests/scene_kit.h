@@ -5,6 +5,7 @@
 #include "core/render/render.h"
 #include "core/scene/scene.h"
 #include "integrators/registry.h"
+#include "materials/closure_table.h"
 #include "scenes/shapes.h"
 #include <memory>
 #include <string>
@@ -13,7 +14,7 @@ namespace chiaro::test {
 
 inline std::unique_ptr<const Scene> compiled(SceneDesc desc, const std::string& isa = {}) {
     Diagnostics notes;
-    return Scene::compile(std::move(desc), notes, isa);
+    return Scene::compile(std::move(desc), notes, isa, nullptr, ClosureTable::make);
 }
 // A position of the description in the compiled scene.
 inline Vec3 local(const Scene& scene, const Vec3d& world) { return cast<float>(world - scene.centre()); }

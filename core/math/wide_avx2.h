@@ -358,12 +358,10 @@ CHIARO_LANE Double select(Mask m, Double yes, Double no) noexcept {
     return no;
 }
 
-// For what has eight parts: two of them side by side, and of lanes the two 2 k and 2 k + 1, eight times each.
+// For what has eight parts: two of them side by side, one number for each of the two, either of them alone.
 CHIARO_LANE Float eightAndEight(const float* x, const float* y) noexcept { return {_mm256_loadu_ps(x), _mm256_loadu_ps(y)}; }
-CHIARO_LANE Float twoByEight(Float x, uint32_t k) noexcept {
-    const __m256 half = k < 4 ? x.a : x.b;
-    const int at = int(2 * k & 7);
-    return {_mm256_permutevar8x32_ps(half, _mm256_set1_epi32(at)), _mm256_permutevar8x32_ps(half, _mm256_set1_epi32(at + 1))};
-}
+CHIARO_LANE Float twoByEight(float x, float y) noexcept { return {_mm256_set1_ps(x), _mm256_set1_ps(y)}; }
+CHIARO_LANE void storeEights(float* x, float* y, Float a) noexcept { _mm256_storeu_ps(x, a.a), _mm256_storeu_ps(y, a.b); }
+CHIARO_LANE Float upperEight(Float a) noexcept { return {a.b, a.b}; } // twice
 
 } // namespace chiaro::avx2

@@ -208,13 +208,16 @@ CHIARO_LANE Double select(Mask m, Double yes, Double no) noexcept {
     return {_mm512_mask_blend_pd(__mmask8(m.m), no.a, yes.a), _mm512_mask_blend_pd(__mmask8(m.m >> 8), no.b, yes.b)};
 }
 
-// For what has eight parts: two of them side by side, and of lanes the two 2 k and 2 k + 1, eight times each.
+// For what has eight parts: two of them side by side, one number for each of the two, either of them alone.
 CHIARO_LANE Float eightAndEight(const float* x, const float* y) noexcept {
     return _mm512_insertf32x8(_mm512_castps256_ps512(_mm256_loadu_ps(x)), _mm256_loadu_ps(y), 1);
 }
-CHIARO_LANE Float twoByEight(Float x, uint32_t k) noexcept {
-    const __m512i at = _mm512_inserti32x8(_mm512_set1_epi32(int(2 * k)), _mm256_set1_epi32(int(2 * k + 1)), 1);
-    return _mm512_permutexvar_ps(at, x.v);
+CHIARO_LANE Float twoByEight(float x, float y) noexcept {
+    return _mm512_insertf32x8(_mm512_castps256_ps512(_mm256_set1_ps(x)), _mm256_set1_ps(y), 1);
 }
+CHIARO_LANE void storeEights(float* x, float* y, Float a) noexcept {
+    _mm256_storeu_ps(x, _mm512_castps512_ps256(a.v)), _mm256_storeu_ps(y, _mm512_extractf32x8_ps(a.v, 1));
+}
+CHIARO_LANE Float upperEight(Float a) noexcept { return _mm512_shuffle_f32x4(a.v, a.v, 0xee); } // twice
 
 } // namespace chiaro::avx512

@@ -4,7 +4,11 @@
 #pragma once
 
 #define CHIARO_TARGET_AVX2 [[gnu::target("avx2")]]
+#ifdef __clang__ // has no such width, and would leave out the whole target
+#define CHIARO_TARGET_AVX512 [[gnu::target("avx512f,avx512dq,avx512bw,avx512vl")]]
+#else
 #define CHIARO_TARGET_AVX512 [[gnu::target("avx512f,avx512dq,avx512bw,avx512vl,prefer-vector-width=512")]]
+#endif
 
 namespace chiaro {
 

@@ -7,9 +7,19 @@
 
 namespace chiaro {
 
+void SampleLanes::fit(std::size_t n) {
+    if (n > fits_) {
+        room_ = std::make_unique_for_overwrite<float[][4]>(2 * n * most);
+        fits_ = n;
+    }
+    layers = uint32_t(n);
+    found = room_.get();
+    direct = found + n * most;
+}
+
 void SampleLanes::clear(std::size_t first, std::size_t count) noexcept {
-    std::memset(found + first, 0, count * sizeof found[0]);
-    std::memset(direct + first, 0, count * sizeof direct[0]);
+    std::memset(found + first * layers, 0, count * layers * sizeof found[0]);
+    std::memset(direct + first * layers, 0, count * layers * sizeof direct[0]);
 }
 
 namespace {
@@ -33,6 +43,7 @@ public:
           plain_(plainStarts(job, how)) {
         thread_local const std::unique_ptr<StreamRoom> room(new StreamRoom); // not filled with zeros
         room_ = room.get();
+        room_->lanes.fit(std::max<std::size_t>(1, film.layout().layers.size()));
         for (std::size_t k = 0; k < together; ++k) ::new (room_->outputs + k * sizeof(Outputs)) Outputs(film.layout());
     }
     void run(Rect tile) {
@@ -126,7 +137,10 @@ private:
         const SampleLanes& l = room_->lanes;
         for (std::size_t k = 0, i = slot; k < n; ++k, ++i) {
             Outputs& out = outputs[k];
-            out.layer[0] = {l.found[i][0] + l.direct[i][0], l.found[i][1] + l.direct[i][1], l.found[i][2] + l.direct[i][2]};
+            for (uint32_t layer = 0; layer < l.layers; ++layer) {
+                const float *found = l.found[i * l.layers + layer], *direct = l.direct[i * l.layers + layer];
+                out.layer[layer] = {found[0] + direct[0], found[1] + direct[1], found[2] + direct[2]};
+            }
             out.aov(Aov::albedo, {l.albedo[0][i], l.albedo[1][i], l.albedo[2][i]});
             out.aov(Aov::normal, {l.normal[0][i], l.normal[1][i], l.normal[2][i]});
         }

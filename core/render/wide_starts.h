@@ -4,6 +4,7 @@
 #pragma once
 #include "core/render/integrator.h"
 #include "core/scene/ray_packet.h"
+#include <memory>
 
 namespace chiaro {
 
@@ -28,13 +29,22 @@ struct StartPacket {
     uint32_t first = 0, count = 0; // the slots first, first + 1, ... of the SampleLanes are theirs
 };
 
-// What the paths of a stream give: plain sums in one slot a sample. Light that a path finds and light that a shadow ray brings come in two
-// sums: shadow rays wait for company, and so the order of all additions would depend on how many paths are under way.
+// What the paths of a stream give: plain sums in one slot a sample, for each layer of the film. Light that a path finds and light that a
+// shadow ray brings come in two sums: shadow rays wait for company, and so the order of all additions would depend on how many paths are
+// under way.
 struct SampleLanes {
     static constexpr std::size_t most = 4096;
-    alignas(64) float found[most][4], direct[most][4]; // RGB; a sum is one register
+    uint32_t layers = 1;
+    float (*found)[4] = nullptr, (*direct)[4] = nullptr;
+    // RGB; a sum is one register; that of a slot and a layer, 1 the first, at slot x layers + layer - 1
     alignas(64) float albedo[3][most], normal[3][most];
+
+    void fit(std::size_t layers);                              // makes room
     void clear(std::size_t first, std::size_t count) noexcept; // the sums; the rest is written by whoever takes the starts
+
+private:
+    std::unique_ptr<float[][4]> room_;
+    std::size_t fits_ = 0;
 };
 
 } // namespace chiaro

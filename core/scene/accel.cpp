@@ -185,6 +185,16 @@ struct Accel::Impl {
         rtcAttachGeometryByID(top.get(), handle.get(), id);
     }
     uint32_t rayId(const Ray& r) const noexcept { return cutOuts.empty() ? 0 : identity(r); }
+    // Makes a packet ready for Embree, and how it is to be asked.
+    RTCIntersectContext ready(TracePacket& p, uint32_t count, bool coherent) const noexcept {
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        if (coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+        readyForEmbree(p, count);
+        if (!cutOuts.empty())
+            for (uint32_t k = 0; k < count; ++k) p.id[k] = identity(p.rays.ray(k));
+        return context;
+    }
     Hit nearest(const Ray& r, float time, uint32_t id) const noexcept {
         if (!usable(r)) return {};
         RTCIntersectContext context;
@@ -292,12 +302,7 @@ private:
 } // namespace
 
 void Accel::trace(TracePacket& p, uint32_t count, bool coherent) const noexcept {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    if (coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    readyForEmbree(p, count);
-    if (!impl_->cutOuts.empty())
-        for (uint32_t k = 0; k < count; ++k) p.id[k] = identity(p.rays.ray(k));
+    RTCIntersectContext context = impl_->ready(p, count, coherent);
     RTCRayHit16& q = reinterpret_cast<RTCRayHit16&>(p);
     {
         const InShares times(p.rays.time, clock_, moves_);
@@ -319,11 +324,7 @@ void Accel::trace(TracePacket& p, uint32_t count, bool coherent) const noexcept 
 }
 
 uint32_t Accel::stopped(TracePacket& p, uint32_t count) const noexcept {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    readyForEmbree(p, count);
-    if (!impl_->cutOuts.empty())
-        for (uint32_t k = 0; k < count; ++k) p.id[k] = identity(p.rays.ray(k));
+    RTCIntersectContext context = impl_->ready(p, count, false);
     RTCRay16& q = reinterpret_cast<RTCRay16&>(p);
     const InShares times(p.rays.time, clock_, moves_);
     if (RayRecord::on()) [[unlikely]] {

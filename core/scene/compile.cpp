@@ -74,7 +74,7 @@ class SceneCompiler {
 public:
     SceneCompiler(SceneDesc desc, Diagnostics& notes, const Executor* run)
         : desc_(std::move(desc)), notes_(notes), run_(run), scene_(new Scene) {}
-    std::unique_ptr<const Scene> run(const std::string& isa);
+    std::unique_ptr<const Scene> run(const std::string& isa, Scene::MakeTable);
 
 private:
     void materials();
@@ -317,7 +317,7 @@ std::size_t SceneCompiler::lightBytes() const {
     return sum;
 }
 
-std::unique_ptr<const Scene> SceneCompiler::run(const std::string& isa) {
+std::unique_ptr<const Scene> SceneCompiler::run(const std::string& isa, Scene::MakeTable makeTable) {
     scene_->name_ = desc_.name;
     scene_->shutter_ = desc_.shutter;
     scene_->clock_ = ShutterClock(desc_.shutter);
@@ -341,11 +341,14 @@ std::unique_ptr<const Scene> SceneCompiler::run(const std::string& isa) {
         [self](const Hit& h) { return self->opacity(self->attributes(h)); }, isa, run_);
     scene_->counts_.bytes.hierarchy = scene_->accel_->bytes();
     scene_->isa_ = scene_->accel_->isa();
+    if (makeTable) scene_->table_ = makeTable(*scene_);
+    scene_->counts_.bytes.materials = heldBy(scene_->materials_) + (scene_->table_ ? scene_->table_->bytes() : 0);
     return std::move(scene_);
 }
 
-std::unique_ptr<const Scene> Scene::compile(SceneDesc desc, Diagnostics& notes, const std::string& isa, const Executor* run) {
-    return SceneCompiler(std::move(desc), notes, run).run(isa);
+std::unique_ptr<const Scene> Scene::compile(SceneDesc desc, Diagnostics& notes, const std::string& isa, const Executor* run,
+                                            MakeTable makeTable) {
+    return SceneCompiler(std::move(desc), notes, run).run(isa, makeTable);
 }
 
 } // namespace chiaro

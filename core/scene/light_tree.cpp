@@ -111,10 +111,10 @@ LightTree::Pick LightTree::choose(const Vec3& p, const Vec3& normal, double u) c
     const End e = descendWidest({nodes_.data(), parents_.data(), patch}, p, normal, u);
     if (e.child == none) return {};
     if (e.child >= leaf) return {e.child - leaf, float(e.pmf)};
-    const Member* m = &members_[e.child - patch];
-    double before = 0;
-    for (; e.u >= double(m->upTo); ++m) before = double(m->upTo);
-    return {m->light, float(e.pmf * (double(m->upTo) - before))};
+    const Member* m = &members_[e.child - patch]; // of these the first whose share, added up, is beyond u
+    for (uint32_t count = m[-1].light, half; count > 1; count = e.u < double(m[half - 1].upTo) ? half : (m += half, count - half))
+        half = count / 2;
+    return {m->light, float(e.pmf * (double(m->upTo) - double(m[-1].upTo)))};
 }
 
 float LightTree::pmf(uint32_t light, const Vec3& p, const Vec3& normal) const noexcept {

@@ -56,7 +56,7 @@ public:
         float intensity[width]; // negative: shines on both sides
         uint32_t child[width];  // a node, or from `leaf` on a light, or from `patch` on the first member of a patch
     };
-    // Of a patch: the shares of its members, added up, end at 1.
+    // Of a patch: the shares of its members, added up, end at 1. Before the first lies their number, with a share of 0.
     struct Member {
         uint32_t light = 0;
         float upTo = 0;

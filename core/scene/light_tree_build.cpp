@@ -186,9 +186,10 @@ bool LightTreeBuilder::onePatch(const Range& r) const noexcept {
 void LightTreeBuilder::hangPatch(const Range& r, uint32_t place) {
     double sum = 0, sofar = 0;
     for (uint32_t i = r.begin; i < r.end; ++i) sum += double(order_[i].intensity);
+    tree_.members_.push_back({r.count(), 0});
     tree_.nodes_[place / LightTree::width].child[place % LightTree::width] = LightTree::patch + uint32_t(tree_.members_.size());
     for (uint32_t i = r.begin; i < r.end; ++i) {
-        const double before = i == r.begin ? 0 : double(tree_.members_.back().upTo);
+        const auto before = double(tree_.members_.back().upTo);
         sofar += double(order_[i].intensity);
         tree_.members_.push_back({order_[i].light, i + 1 == r.end ? 1.f : float(sofar / sum)});
         tree_.places_[order_[i].light] = {place, float(double(tree_.members_.back().upTo) - before)};

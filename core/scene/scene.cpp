@@ -80,14 +80,6 @@ Ray SurfacePoint::to(const SurfacePoint& other) const noexcept {
 Scene::Scene() = default;
 Scene::~Scene() = default;
 
-const SceneTable& Scene::makeTable(MakeTable make) const {
-    std::call_once(tableOnce_, [&] {
-        ownTable_ = make(*this);
-        table_.store(ownTable_.get(), std::memory_order_release);
-    });
-    return *ownTable_;
-}
-
 Hit Scene::intersect(const Ray& r) const noexcept { return accel_->intersect(r); }
 void Scene::intersect(std::span<const Ray> r, std::span<Hit> h, bool coherent) const noexcept { accel_->intersect(r, h, coherent); }
 Hit Scene::firstSurface(const Ray& r) const noexcept { return accel_->firstSurface(r); }

@@ -9,9 +9,7 @@
 #include "core/scene/scene_bytes.h"
 #include "core/scene/texture.h"
 #include <array>
-#include <atomic>
 #include <memory>
-#include <mutex>
 #include <span>
 
 namespace chiaro {
@@ -65,13 +63,17 @@ struct SceneCounts {
 class SceneTable {
 public:
     virtual ~SceneTable() = default;
+    virtual std::size_t bytes() const noexcept = 0;
 };
 
 class Scene {
 public:
+    using MakeTable = std::unique_ptr<const SceneTable> (*)(const Scene&);
     // Throws Error (Exit::unsupported, Exit::resources). isa names Embree's instruction set ("sse2", "sse4.2", "avx", "avx2", "avx512"),
-    // empty: the best. run: builds on its threads, null: on this one; the scene is the same to the last bit.
-    static std::unique_ptr<const Scene> compile(SceneDesc, Diagnostics&, const std::string& isa = {}, const Executor* run = nullptr);
+    // empty: the best. run: builds on its threads, null: on this one; the scene is the same to the last bit. makeTable is called last;
+    // whoever will shade gives ClosureTable::make (materials/closure_table.h).
+    static std::unique_ptr<const Scene> compile(SceneDesc, Diagnostics&, const std::string& isa = {}, const Executor* run = nullptr,
+                                                MakeTable makeTable = nullptr);
     ~Scene();
 
     Hit intersect(const Ray&) const noexcept;
@@ -115,12 +117,8 @@ public:
     // Fraction of light that a surface stops, [0, 1]: alpha under the material's alpha mode.
     float opacity(const SurfacePoint&) const noexcept;
     const Lights& lights() const noexcept { return lights_; }
-    // The one table of the materials' closures (materials/closure_table.h): made by the first who asks.
-    using MakeTable = std::unique_ptr<const SceneTable> (*)(const Scene&);
-    const SceneTable& table(MakeTable make) const {
-        const SceneTable* const made = table_.load(std::memory_order_acquire);
-        return made != nullptr ? *made : makeTable(make);
-    }
+    // That of compile(); null: none was asked for.
+    const SceneTable* table() const noexcept { return table_.get(); }
 
     std::span<const CameraDesc> cameras() const noexcept { return cameras_; } // recentred like everything else
     const std::string& name() const noexcept { return name_; }
@@ -140,7 +138,6 @@ private:
     Scene();
     // Corners of a triangle in the space of its geometry.
     std::array<Vec3, 3> localCorners(uint32_t geometry, uint32_t triangle, float time) const noexcept;
-    const SceneTable& makeTable(MakeTable) const;
     std::string name_, isa_;
     std::vector<MaterialDesc> materials_;
     Textures textures_;
@@ -157,9 +154,7 @@ private:
     float radius_ = 1;
     SceneCounts counts_;
     uint64_t hash_ = 0;
-    mutable std::once_flag tableOnce_;
-    mutable std::unique_ptr<const SceneTable> ownTable_;
-    mutable std::atomic<const SceneTable*> table_{nullptr};
+    std::unique_ptr<const SceneTable> table_;
 };
 
 } // namespace chiaro

@@ -8,11 +8,13 @@ SceneForecast forecast(const SceneSizes& s) noexcept {
     // triangle, 132 while it is built; 700 an instance. Of light tables: 96 a triangle of one large lamp, 125 of many small ones.
     constexpr std::size_t hierarchy = 75, building = 140, instance = 800, placement = 250, light = 140, lightBuilding = 200, index = 12;
     constexpr std::size_t sky = 24, skyBuilding = 56; // a texel: radiance and its table; what makes them
+    constexpr std::size_t material = 2250;            // its description, in an array that grew by doubling, and the record of its closures
     SceneForecast f;
     f.kept.geometry = s.vertexBytes + s.triangles * index;
     f.kept.hierarchy = s.triangles * hierarchy + s.instances * instance;
     f.kept.placement = s.instances * placement;
     f.kept.lights = s.emissive * light + s.skyTexels * sky;
+    f.kept.materials = s.materials * material;
     // Three channels are kept as four, and the levels of the pyramid take a third; the largest picture is there twice while it is laid out.
     f.kept.textures = s.textureBytes / 9 * 16;
     const std::size_t reading = f.kept.geometry + s.textureBytes + s.fileBytes;

@@ -11,8 +11,9 @@ struct SceneBytes {
     std::size_t hierarchy = 0; // Embree's, of meshes and of instances
     std::size_t placement = 0; // instances, motions, what is drawn where
     std::size_t lights = 0;    // tables of emissive triangles, punctual lights and the environment
+    std::size_t materials = 0; // as they are described, and what their closures share
     std::size_t textures = 0;  // decoded
-    std::size_t total() const noexcept { return geometry + hierarchy + placement + lights + textures; }
+    std::size_t total() const noexcept { return geometry + hierarchy + placement + lights + materials + textures; }
 };
 
 // What the headers tell.
@@ -21,6 +22,7 @@ struct SceneSizes {
     uint64_t triangles = 0;   // stored: once a mesh, however often it is drawn
     uint64_t emissive = 0;    // emissive triangles that are drawn
     uint64_t instances = 0;
+    uint64_t materials = 0;
     std::size_t textureBytes = 0;
     uint64_t skyTexels = 0;    // of the environment
     std::size_t fileBytes = 0; // held while the rest is read

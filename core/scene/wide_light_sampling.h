@@ -30,36 +30,40 @@ CHIARO_LANE void cells(const WideLights& lights, LightLanes& l) noexcept {
     }
 }
 
+// By WideLight::inverse.
+CHIARO_LANE Float inverseArea(Float inverse) noexcept { return abs(inverse + inverse); }
+
 // The first to answer: what it says of lanes that are not in m means nothing.
-CHIARO_LANE void triangleSample(const Float (&w)[20], const WidePoint& at, const Vec2w& u, Mask m, WideLightSample& s) noexcept {
+CHIARO_LANE void triangleSample(const Float (&w)[WideLights::members], const WidePoint& at, const Vec2w& u, Mask m,
+                                WideLightSample& s) noexcept {
     const Vec3w corner{w[0], w[1], w[2]}, e1{w[3], w[4], w[5]}, e2{w[6], w[7], w[8]};
     const Vec2w b = uniformTriangle(u);
     const Vec3w p = mulAdd(e2, b.y, mulAdd(e1, b.x, corner)), ng = cross(e1, e2) * w[9], way = p - at.p;
     const Float distanceSquared = lengthSquared(way);
     const Vec3w wi = way * inverseSqrt(distanceSquared);
     const Float cosine = -dot(wi, ng);
-    const Mask bothSides = (floatAsBits(w[16]) & Int(WideLight::doubleSided)) != Int(0u);
+    const Mask bothSides = (floatAsBits(w[15]) & Int(WideLight::doubleSided)) != Int(0u);
     const Mask seen = m & (distanceSquared > Float(0.f)) & ((cosine > Float(0.f)) | (bothSides & (cosine < Float(0.f))));
-    const Vec3w from = offset(at.p, at.ng, at.error, way), d = offset(p, ng, w[15], -way) - from;
+    const Vec3w from = offset(at.p, at.ng, at.error, way), d = offset(p, ng, w[14], -way) - from;
     const Float squared = lengthSquared(d), inverse = inverseSqrt(squared), distance = squared * inverse;
     s.wi = wi;
-    s.radiance = {w[12], w[13], w[14]};
-    s.pdfW = areaToSolidAngle(w[10], distanceSquared, cosine);
+    s.radiance = {w[11], w[12], w[13]};
+    s.pdfW = areaToSolidAngle(inverseArea(w[9]), distanceSquared, cosine);
     s.o = from;
     s.d = select(squared > Float(0.f), d * inverse, at.ng);
     s.tfar = distance * Float(fault(Fault::shadowRayShort) ? 0.9f : 1 - 0x1p-20f);
     s.arrives = seen & notBlack(s.radiance);
 }
 
-CHIARO_LANE void punctualSample(const Float (&w)[20], const WidePoint& at, Mask m, WideLightSample& s) noexcept {
+CHIARO_LANE void punctualSample(const Float (&w)[WideLights::members], const WidePoint& at, Mask m, WideLightSample& s) noexcept {
     const Vec3w place{w[0], w[1], w[2]}, axis{w[3], w[4], w[5]}, way = place - at.p;
-    const Int flags = floatAsBits(w[16]);
+    const Int flags = floatAsBits(w[15]);
     const Mask parallel = m & ((flags & Int(WideLight::directional)) != Int(0u)), spot = (flags & Int(WideLight::spot)) != Int(0u);
     const Float distanceSquared = lengthSquared(way), infinite(infinity);
     const Vec3w wi = select(parallel, -axis, way * (Float(1.f) / sqrt(distanceSquared)));
     Float attenuation = Float(1.f) / distanceSquared;
     attenuation = select(w[9] > Float(0.f), attenuation * clamp01(Float(1.f) - sqr(distanceSquared / sqr(w[9]))), attenuation);
-    attenuation = select(spot, attenuation * sqr(clamp01(-dot(wi, axis) * w[10] + w[12])), attenuation);
+    attenuation = select(spot, attenuation * sqr(clamp01(-dot(wi, axis) * w[11] + w[12])), attenuation);
     attenuation = select(parallel, Float(1.f), attenuation);
     const Vec3w from = offset(at.p, at.ng, at.error, wi), d = place - from;
     const Float distance = length(d);
@@ -123,6 +127,7 @@ CHIARO_LANE WideLightSample sampleTowards(const WideLights& lights, const WidePo
     LightLanes l;
     if (lights.edge() > 0 || lights.byTree()) pick.pick.store(l.pick);
     const bool finite = lights.finite() > 0;
+    constexpr uint32_t members = WideLights::members;
     const float(*const fields)[WideLights::few] = lights.fields();
     const auto tell = [&](Float ux) { // the receiver, for lanes that are asked one by one
         at.p.x.store(l.px), at.p.y.store(l.py), at.p.z.store(l.pz);
@@ -157,8 +162,8 @@ CHIARO_LANE WideLightSample sampleTowards(const WideLights& lights, const WidePo
     } else if (any(chosen)) {
         Float keep, alias, own, other;
         if (fields) {
-            keep = lookUp(fields[20], light), alias = lookUp(fields[21], light);
-            own = lookUp(fields[22], light), other = lookUp(fields[23], light);
+            keep = lookUp(fields[members], light), alias = lookUp(fields[members + 1], light);
+            own = lookUp(fields[members + 2], light), other = lookUp(fields[members + 3], light);
         } else {
             alignas(64) uint32_t cell[laneCount];
             select(chosen, light << 2, Int(0u)).store(cell);
@@ -176,18 +181,17 @@ CHIARO_LANE WideLightSample sampleTowards(const WideLights& lights, const WidePo
     if (none(chosen)) {
         nothing();
     } else {
-        Float w[WideLights::members];
+        Float w[members];
         if (fields) {
 #pragma GCC unroll 32
-            for (uint32_t i = 0; i < WideLights::members; ++i) w[i] = lookUp(fields[i], light);
+            for (uint32_t i = 0; i < members; ++i) w[i] = lookUp(fields[i], light);
         } else {
             alignas(64) uint32_t record[laneCount];
-            select(chosen, light * Int(WideLights::members), Int(0u)).store(record);
+            select(chosen, light << 4, Int(0u)).store(record);
 #pragma GCC unroll 8
-            for (uint32_t i = 0; i < WideLights::members; i += 4)
-                loadFour(lights.records() + i, record, w[i], w[i + 1], w[i + 2], w[i + 3]);
+            for (uint32_t i = 0; i < members; i += 4) loadFour(lights.records() + i, record, w[i], w[i + 1], w[i + 2], w[i + 3]);
         }
-        const Int flags = floatAsBits(w[16]);
+        const Int flags = floatAsBits(w[15]);
         const auto has = [&](uint32_t flag) { return chosen & ((flags & Int(flag)) != Int(0u)); };
         asked = asked | has(WideLight::ask);
         const Mask punctual = has(WideLight::punctual), triangle = andNot(chosen, punctual | asked);

@@ -49,15 +49,20 @@ CHIARO_LANE void weighOne(const LightTree::Node& node, const Vec3w& p, const Vec
 // Each at its own.
 CHIARO_LANE void weighEach(const LightTree::Node* nodes, const uint32_t* at, uint32_t lanes, const Vec3w& p, const Vec3w& normal,
                            Float (&weight)[treeWidth]) noexcept {
-    alignas(64) float rows[laneCount * treeWidth];
-    for (uint32_t k = 0; k < laneCount / 2; ++k) {
-        if ((lanes >> (2 * k) & 3) == 0) continue;
-        const float *const a = nodes[at[2 * k]].x, *const b = nodes[at[2 * k + 1]].x;
+    alignas(64) float rows[laneCount * treeWidth], point[6][laneCount];
+    p.x.store(point[0]), p.y.store(point[1]), p.z.store(point[2]);
+    normal.x.store(point[3]), normal.y.store(point[4]), normal.z.store(point[5]);
+    while (lanes) { // the next two that ask, or the last twice
+        const auto i = uint32_t(__builtin_ctz(lanes));
+        lanes &= lanes - 1;
+        const auto k = lanes ? uint32_t(__builtin_ctz(lanes)) : i;
+        lanes &= lanes - 1;
+        const float *const a = nodes[at[i]].x, *const b = nodes[at[k]].x;
         const auto both = [&](std::size_t member) { return eightAndEight(a + member * treeWidth, b + member * treeWidth); };
-        const Vec3w here{twoByEight(p.x, k), twoByEight(p.y, k), twoByEight(p.z, k)};
-        const Vec3w up{twoByEight(normal.x, k), twoByEight(normal.y, k), twoByEight(normal.z, k)};
-        weigh({both(0), both(1), both(2), both(3), both(4), both(5), both(6), both(7), both(8), both(9), both(10)}, here, up)
-            .store(rows + 2 * treeWidth * k);
+        const auto of = [&](const float(&values)[laneCount]) { return twoByEight(values[i], values[k]); };
+        const Vec3w here{of(point[0]), of(point[1]), of(point[2])}, up{of(point[3]), of(point[4]), of(point[5])};
+        storeEights(rows + treeWidth * i, rows + treeWidth * k,
+                    weigh({both(0), both(1), both(2), both(3), both(4), both(5), both(6), both(7), both(8), both(9), both(10)}, here, up));
     }
     alignas(64) static constexpr uint32_t row[laneCount] = {0, 8, 16, 24, 32, 40, 48, 56, 64, 72, 80, 88, 96, 104, 112, 120};
     alignas(64) uint32_t first[laneCount];
@@ -114,17 +119,18 @@ CHIARO_LANE void weighEach(const LightTree::Node* nodes, const uint32_t* at, uin
     WideTreePick pick{end - Int(tree.leaf), toFloat(pmf)};
     const Mask lost = end == Int(LightTree::none);
     if (Mask patches = andNot(end < Int(tree.leaf), lost); any(patches)) { // the first member whose share, added up, is beyond u
-        Int member = (end - children) << 1;
-        Float before(0.f), upTo(0.f);
-        for (Mask going = patches; any(going);) {
-            upTo = select(going, gather(&tree.members[0].upTo, member, going), upTo);
-            going = going & (u >= toDouble(upTo));
-            before = select(going, upTo, before);
-            member = select(going, member + Int(2u), member);
+        const uint32_t* const lights = &tree.members[0].light;
+        const float* const upTo = &tree.members[0].upTo;
+        Int member = (end - children) << 1, count = gather(lights, member - Int(2u), patches);
+        for (Mask going = patches & (count >= Int(2u)); any(going); going = going & (count >= Int(2u))) {
+            const Int half = count >> 1, beyond = member + (half << 1);
+            const Mask on = going & (u >= toDouble(gather(upTo, beyond - Int(2u), going)));
+            member = select(on, beyond, member);
+            count = select(on, count - half, half);
         }
-        const uint32_t* const members = &tree.members[0].light;
-        pick.light = select(patches, gather(members, member, patches), pick.light);
-        pick.pmf = select(patches, toFloat(pmf * (toDouble(upTo) - toDouble(before))), pick.pmf);
+        const Float share = gather(upTo, member, patches), before = gather(upTo, member - Int(2u), patches);
+        pick.light = select(patches, gather(lights, member, patches), pick.light);
+        pick.pmf = select(patches, toFloat(pmf * (toDouble(share) - toDouble(before))), pick.pmf);
     }
     pick.light = select(lost, Int(LightTree::none), pick.light);
     return pick;

@@ -6,7 +6,7 @@
 namespace chiaro {
 namespace {
 
-static_assert(sizeof(WideLight) == 20 * sizeof(float));
+static_assert(sizeof(WideLight) == WideLights::members * sizeof(float));
 void put(float (&to)[3], const Vec3& v) noexcept { to[0] = v.x, to[1] = v.y, to[2] = v.z; }
 void put(float (&to)[3], const Spectrum& v) noexcept { to[0] = v[0], to[1] = v[1], to[2] = v[2]; }
 
@@ -32,8 +32,7 @@ WideLights::WideLights(const Scene& scene) : scene_(scene) {
         const MaterialDesc& m = scene.material(t.material);
         WideLight w{};
         put(w.p, t.p), put(w.e1, t.e1), put(w.e2, t.e2);
-        w.inverse = 0.5f / t.area * (dot(cross(t.e1, t.e2), t.ng) < 0 ? -1.f : 1.f);
-        w.density = t.area > 0 ? 1 / t.area : 0;
+        w.inverse = t.area > 0 ? 0.5f / t.area * (dot(cross(t.e1, t.e2), t.ng) < 0 ? -1.f : 1.f) : 0;
         w.error = t.error;
         put(w.emission, m.emission * (fault(Fault::lightPowerBias) ? 1.01f : 1.f));
         w.flags = t.doubleSided ? WideLight::doubleSided : 0u;
@@ -45,8 +44,8 @@ WideLights::WideLights(const Scene& scene) : scene_(scene) {
         WideLight w{};
         put(w.p, l.p), put(w.e1, l.axis), put(w.e2, l.intensity);
         w.inverse = l.range;
-        w.density = l.scale;
-        w.emission[0] = l.offset;
+        w.emission[0] = l.scale;
+        w.emission[1] = l.offset;
         w.flags = WideLight::punctual | (l.kind == PunctualKind::directional ? WideLight::directional : 0u) |
                   (l.kind == PunctualKind::spot ? WideLight::spot : 0u) | (l.motion != Lights::none ? WideLight::ask : 0u);
         records_.push_back(w);

@@ -1,6 +1,6 @@
-// WideLights: the lights of a scene as loops over lanes want them, one record of 80 bytes each, and the table that chooses among them. Made
-// once before a render, read by all threads. What lanes cannot do (textured, moving or cut-out emitters, the choice by a light tree) is
-// asked of the Lights themselves, one lane at a time, and gives the same sample.
+// WideLights: the lights of a scene as loops over lanes want them, one record of 64 bytes each, a line of the caches, and the table that
+// chooses among them. Made once before a render, read by all threads. What lanes cannot do (textured, moving or cut-out emitters, the
+// choice by a light tree) is asked of the Lights themselves, one lane at a time, and gives the same sample.
 #pragma once
 #include "core/scene/light_tree_view.h"
 #include "core/scene/lights.h"
@@ -8,18 +8,16 @@
 
 namespace chiaro {
 
-struct WideLight {
+struct alignas(64) WideLight {
     enum Flag : uint32_t { doubleSided = 1, ask = 2, punctual = 4, directional = 8, spot = 16 };
-    float p[3];             // a corner, or the place of a punctual light
-    float e1[3];            // edge; axis of a punctual light, the way the light goes
-    float e2[3];            // edge; intensity of a punctual light
-    float inverse, density; // 1 over twice the area, negative where the front is the clockwise side, 1 over the area; range and scale of a
-                            // punctual light
-    float pmf;              // of choosing it by power, the environment's share taken off
-    float emission[3];      // cd/m2; the first: offset of a spot light
-    float error;            // of the corners, metres
+    float p[3];        // a corner, or the place of a punctual light
+    float e1[3];       // edge; axis of a punctual light, the way the light goes
+    float e2[3];       // edge; intensity of a punctual light
+    float inverse;     // 1 over twice the area, negative where the front is the clockwise side; range of a punctual light
+    float pmf;         // of choosing it by power, the environment's share taken off
+    float emission[3]; // cd/m2; scale and offset of a spot light
+    float error;       // of the corners, metres
     uint32_t flags;
-    float unused[3];
 };
 
 // What is asked lane by lane: where, what was drawn, the answer.
@@ -42,7 +40,7 @@ public:
     const float* cells() const noexcept { return cells_.data(); }
     uint32_t finite() const noexcept { return uint32_t(cells_.size() / 4); } // that can be chosen
     // Where there are at most sixteen: the table by members, then that of the cells, each a register.
-    static constexpr uint32_t few = 16, members = 20;
+    static constexpr uint32_t few = 16, members = 16;
     const float (*fields() const noexcept)[few] { return records_.size() <= few ? fields_ : nullptr; }
     double edge() const noexcept { return edge_; } // the environment's share of all choices
     bool byTree() const noexcept { return tree_.nodes != nullptr; }

@@ -109,6 +109,51 @@ CHIARO_LANE Rgbw textureAt(const WideTexture& t, const WideUv& uv, Mask m) noexc
                    uv.at.x * Float(f[1][0]) + uv.at.y * Float(f[1][1]) + Float(f[1][2])};
     return t.nearest ? nearest(t, at, m) : bilinear(t, Int(0u), at, m);
 }
+// The mean over the probes of ellipses. Few lanes ask, and of these few for many probes: the probes of all are looked up eight at a time,
+// in the first eight lanes at the one level, in the others at the next; a lane's own are added in their order.
+CHIARO_LANE Rgbw overProbes(const WideTexture& t, const Vec2w& centre, const TexelEllipse<Float>& e, const LevelPair<Float>& pair,
+                            Mask m) noexcept {
+    alignas(64) float x[laneCount], y[laneCount], stepX[laneCount], stepY[laneCount], share[laneCount];
+    alignas(64) uint32_t level[laneCount];
+    const Float first = Float(0.5f) - Float(0.5f) * e.probes;
+    centre.x.store(x), centre.y.store(y), e.step.x.store(stepX), e.step.y.store(stepY), pair.share.store(share), pair.level.store(level);
+    alignas(64) float number[laneCount], begin[laneCount], sums[laneCount][4] = {};
+    e.probes.store(number), first.store(begin);
+    constexpr auto most = uint32_t(mostProbes);
+    alignas(64) uint32_t lane[laneCount / 8 * most][laneCount]; // eight probes in a row, twice: whose, and where along the ellipse
+    alignas(64) float place[laneCount / 8 * most][laneCount];
+    uint32_t probes = 0;
+    const auto put = [&](uint32_t at, uint32_t k, float along) {
+        lane[at / 8][at % 8] = lane[at / 8][at % 8 + 8] = k;
+        place[at / 8][at % 8] = place[at / 8][at % 8 + 8] = along;
+    };
+    for (uint32_t bits = m.bits(); bits; bits &= bits - 1) {
+        const auto k = uint32_t(__builtin_ctz(bits));
+        const uint32_t own = number[k] < mostProbes ? uint32_t(number[k]) : most;
+        for (uint32_t i = 0; i < own; ++i) put(probes++, k, begin[k] + float(i));
+    }
+    for (uint32_t end = probes; end % 8 != 0; ++end) put(end, 0, 0); // the rest of the row is not looked up
+    const Mask lower(0xffu), upper(0xff00u);
+    for (uint32_t at = 0; at < probes; at += 8) {
+        const Int of(lane[at / 8]);
+        const Float along(place[at / 8]), s = lookUp(share, of);
+        const Vec2w uv{lookUp(x, of) + lookUp(stepX, of) * along, lookUp(y, of) + lookUp(stepY, of) * along};
+        const uint32_t here = probes - at < 8 ? (1u << (probes - at)) - 1 : 0xffu;
+        const Mask some(here | here << 8), blended = some & (s > Float(0.f));
+        const Rgbw v = bilinear(t, lookUp(level, of) + select(upper, Int(1u), Int(0u)), uv, (some & lower) | (blended & upper));
+        Rgbw both;
+        for (std::size_t i = 0; i < 3; ++i) both.c[i] = select(blended, v.c[i] * (Float(1.f) - s) + upperEight(v.c[i]) * s, v.c[i]);
+        addTo(sums, lane[at / 8], some & lower, both.c[0], both.c[1], both.c[2]);
+    }
+    alignas(64) static constexpr uint32_t row[laneCount] = {0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44, 48, 52, 56, 60};
+    alignas(64) uint32_t rows[laneCount];
+    Int(row).store(rows);
+    asm("" : "+m"(sums)); // written above, read below through pointers
+    Rgbw sum;
+    Float unused;
+    loadFour(sums[0], rows, sum.c[0], sum.c[1], sum.c[2], unused);
+    return sum * (Float(1.f) / e.probes);
+}
 // Over the cones' ellipses.
 CHIARO_LANE Rgbw textureAt(const WideTexture& t, const WideUv& uv, const ConeSectionT<Float>& cone, Mask m) noexcept {
     if (t.nearest || t.last == 0) return textureAt(t, uv, m);
@@ -120,20 +165,7 @@ CHIARO_LANE Rgbw textureAt(const WideTexture& t, const WideUv& uv, const ConeSec
     if (none(andNot(m, sharp) | two)) return textureAt(t, uv, m);
     const Vec2w centre{uv.at.x * Float(f[0][0]) + uv.at.y * Float(f[0][1]) + Float(f[0][2]),
                        uv.at.x * Float(f[1][0]) + uv.at.y * Float(f[1][1]) + Float(f[1][2])};
-    Rgbw sum(Float(0.f));
-    for (uint32_t i = 0;; ++i) {
-        const Float along = Float(float(i)) - Float(0.5f) * (e.probes - Float(1.f));
-        const Mask on = m & (Float(float(i)) < e.probes);
-        if (none(on)) break;
-        const Vec2w at{centre.x + e.step.x * along, centre.y + e.step.y * along};
-        Rgbw v = bilinear(t, pair.level, at, on);
-        if (const Mask blended = two & on; any(blended)) {
-            const Rgbw next = bilinear(t, pair.level + Int(1u), at, blended);
-            v = select(blended, v * (Float(1.f) - pair.share) + next * pair.share, v);
-        }
-        sum = select(on, sum + v, sum);
-    }
-    return sum * (Float(1.f) / e.probes);
+    return overProbes(t, centre, e, pair, m);
 }
 
 } // namespace chiaro::CHIARO_ISA

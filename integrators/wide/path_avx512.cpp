@@ -2,9 +2,9 @@
 
 namespace chiaro {
 
-void followPathsAvx512(const WidePaths& paths, uint32_t maxDepth, const Footprint& pixel, StartSource& source, SampleLanes& samples,
-                       PathStream& stream) noexcept {
-    avx512::PathFollower(paths, maxDepth, pixel, samples, stream).follow(source);
+void followPathsAvx512(const WidePaths& paths, const PathClasses& classes, const Footprint& pixel, StartSource& source,
+                       SampleLanes& samples, PathStream& stream) noexcept {
+    avx512::PathFollower(paths, classes, pixel, samples, stream).follow(source);
 }
 
 } // namespace chiaro

@@ -5,7 +5,7 @@
 namespace chiaro::CHIARO_ISA {
 
 // Light that the rays have found: emitters where they hit, the sky where they did not.
-void PathFollower::find(PathPacket& p, Mask m, const HitPacket& hits, Vertex& v) noexcept {
+template <bool classed> void PathFollower::find(PathPacket& p, Mask m, const HitPacket& hits, Vertex& v) noexcept {
     const WideLights& lights = paths_.lights();
     const Mask sky = lights.environment() ? andNot(m, v.hit) : Mask();
     const Mask shines = v.lanes & ((v.flags & Int(WideMaterial::emits)) != Int(0u)) & (v.at.light != Int(WideSurfaces::none));
@@ -19,8 +19,8 @@ void PathFollower::find(PathPacket& p, Mask m, const HitPacket& hits, Vertex& v)
         const Float cosine = -dot(p.d, v.at.ng);
         const Mask bothSides = (v.flags & Int(WideMaterial::doubleSided)) != Int(0u);
         found = found & ((cosine > Float(0.f)) | (bothSides & (cosine < Float(0.f))));
-        const Int record = v.at.light * Int(20u);
-        const Float density = gather(lights.records() + 10, record, found), pmf = gather(lights.records() + 11, record, found);
+        const Int record = v.at.light << 4;
+        const Float density = inverseArea(gather(lights.records() + 9, record, found)), pmf = gather(lights.records() + 10, record, found);
         const Float pdf = pmf * areaToSolidAngle(density, lengthSquared(v.at.p - p.from), cosine);
         lightPdf = select(found, fault(Fault::misOtherMeasure) ? pmf * density : pdf, Float(0.f));
     }
@@ -43,24 +43,79 @@ void PathFollower::find(PathPacket& p, Mask m, const HitPacket& hits, Vertex& v)
     const Mask alone = (p.depth == Int(0u)) | (fault(Fault::deltaWeighted) ? Mask() : delta) | (lightPdf == Float(0.f));
     Float weight = settings_.mis ? powerHeuristic(abs(p.pdfW), lightPdf) : Float(0.f);
     weight = settings_.nee && !fault(Fault::emissionTwice) ? select(alone, Float(1.f), weight) : Float(1.f);
-    add(p, found, p.throughput * light * weight);
+    if constexpr (!classed) return add(p.slot, found, p.throughput * light * weight);
+    const Int layer = v.states.layer(select(sky, Int(WideStates::environment), Int(WideStates::area)));
+    add(sum(p.slot, layer), found & (layer != Int(0u)), p.throughput * light * weight);
+}
+
+// Where the sum of a slot and a wanted layer is.
+CHIARO_LANE Int PathFollower::sum(Int slots, Int layers) const noexcept {
+    return samples_.layers == 1 ? slots : slots * Int(samples_.layers) + layers - Int(1u);
+}
+
+// Shadow rays of paths with states: what they bring goes to the layers of its classes, to two sums where these differ.
+CHIARO_LANE void PathFollower::bring(const PathPacket& p, Mask m, const Vec3w& o, const Vec3w& d, Float tfar,
+                                     const Parted& light) noexcept {
+    const Mask diffuse = m & (light.diffuseLayer != Int(0u)) & notBlack(light.diffuse),
+               glossy = m & (light.glossyLayer != Int(0u)) & notBlack(light.glossy), lit = diffuse | glossy;
+    if (none(lit)) return;
+    const Mask both = diffuse & glossy, parted = both & (light.diffuseLayer != light.glossyLayer) & Mask(shadows_.two ? 0xffffu : 0u);
+    const Int to = sum(p.slot, select(diffuse, light.diffuseLayer, light.glossyLayer));
+    const Rgbw first = select(andNot(both, parted), light.diffuse + light.glossy, select(diffuse, light.diffuse, light.glossy));
+    const uint32_t at = shadows_.append(lit, o, d, tfar, p.time, first, to, needs_.time);
+    if (!shadows_.two) return;
+    shadows_.appendSecond(at, lit, select(parted, light.glossy, Rgbw(Float(0.f))), select(parted, sum(p.slot, light.glossyLayer), to));
 }
 
 // Next-event estimation: shadow rays to one light each.
-void PathFollower::direct(PathPacket& p, const Vertex& v, Mask m, const WidePick& pick) noexcept {
+template <bool classed> void PathFollower::direct(PathPacket& p, const Vertex& v, Mask m, const WidePick& pick) noexcept {
     const WideLightSample s = sampleTowards(paths_.lights(), v.at, p.time, m, pick);
     const Vec3w wi = v.frame.toLocal(s.wi);
-    const WideLobeValue value = v.lobes.evaluate(wi);
-    const Mask lit = m & s.arrives & (value.pdfW > Float(0.f)) & (dot(s.wi, v.ng) > Float(0.f)) & notBlack(value.f);
+    Rgbw glossy;
+    const WideLobeValue value = v.lobes.evaluate(wi, classed ? &glossy : nullptr);
+    Mask lit = m & s.arrives & (value.pdfW > Float(0.f)) & (dot(s.wi, v.ng) > Float(0.f));
+    if constexpr (!classed) lit = lit & notBlack(value.f);
     if (none(lit)) return;
     const Float other = settings_.mis ? select(s.delta, Float(0.f), value.pdfW) : Float(0.f);
     const Float cosine = fault(Fault::receiverCosineMissing) ? Float(1.f) : abs(wi.z);
-    const Rgbw brings = p.throughput * value.f * s.radiance * (cosine * weightOverPdf(s.pdfW, other));
+    const Float factor = cosine * weightOverPdf(s.pdfW, other);
+    const Rgbw brings = p.throughput * value.f * s.radiance * factor;
+    if constexpr (classed) {
+        // Only the sky is so far away and no delta light.
+        const Int far = select(s.tfar == Float(infinity), Int(WideStates::environment), Int(WideStates::area));
+        const Int kind = select(s.delta, Int(WideStates::delta), far);
+        const Int diffuseLayer = WideStates::layer(rows_, WideStates::reflected(v.states.diffuse), kind, lit);
+        const Mask sorted = lit & v.states.are(WideClass::sorts) & v.lobes.glossy;
+        const Int glossyLayer =
+            any(sorted) ? select(sorted, WideStates::layer(rows_, WideStates::reflected(v.states.glossy), kind, sorted), diffuseLayer)
+                        : diffuseLayer;
+        return bring(p, lit, s.o, s.d, s.tfar, {brings, p.throughput * glossy * s.radiance * factor, diffuseLayer, glossyLayer});
+    }
     shadows_.append(lit, s.o, s.d, s.tfar, p.time, brings, p.slot, needs_.time);
 }
 
+// Where classes still matter, the one of an event is drawn as by turn() of integrators/transport.h. f: the light of both, or of the one
+// that was drawn, over its probability. next: the states that follow. The lanes that end, since no such path is wanted.
+CHIARO_LANE Mask PathFollower::turn(const WideStates& states, Mask sorted, const Rgbw& diffuse, const Rgbw& glossy, Float uClass, Rgbw& f,
+                                    Int& next) noexcept {
+    const Rgbw both = diffuse + glossy;
+    if (none(sorted)) {
+        f = both;
+        return Mask();
+    }
+    const Int nextDiffuse = WideStates::reflected(states.diffuse), nextGlossy = WideStates::reflected(states.glossy);
+    const Float shareDiffuse = select(nextDiffuse != Int(0u), luminance(diffuse), Float(0.f)),
+                shareGlossy = select(nextGlossy != Int(0u), luminance(glossy), Float(0.f)), shares = shareDiffuse + shareGlossy;
+    const Mask first = uClass * shares < shareDiffuse;
+    const Rgbw drawn = select(first, diffuse, glossy) * (shares / select(first, shareDiffuse, shareGlossy));
+    f = select(sorted, drawn, both);
+    next = select(sorted, select(first, nextDiffuse, nextGlossy), next);
+    return andNot(sorted, shares > Float(0.f));
+}
+
 // The next rays; the lanes that have one.
-Mask PathFollower::scatter(PathPacket& p, const HitPacket& hits, const Vertex& v, Mask m, const WidePick& pick) noexcept {
+template <bool classed>
+Mask PathFollower::scatter(PathPacket& p, const HitPacket& hits, const Vertex& v, Mask m, const WidePick& pick, Float uClass) noexcept {
     // As float(double(bits) 2^-32) rounds, but never to 1.
     const Float uLobe = min(wholeToFloat(pick.pick) * Float(0x1p-32f), Float(oneMinusEpsilon));
     const WideLobeSample s = v.lobes.sample(uLobe, pick.u);
@@ -70,14 +125,29 @@ Mask PathFollower::scatter(PathPacket& p, const HitPacket& hits, const Vertex& v
     // Of a diffuse base alone: the cosine and its density cancel out.
     Rgbw weight = v.lobes.diffuseColor * Float(fault(Fault::diffuseBias) ? 1.01f : 1.f);
     Float pdfW = cosineHemispherePdfW(s.wi.z);
+    Int next(0u);
+    if constexpr (classed) next = WideStates::reflected(v.states.diffuse);
     if (const Mask others = m & v.lobes.others(); any(others)) {
-        const WideLobeValue value = v.lobes.evaluate(s.wi);
+        Rgbw glossy;
+        WideLobeValue value = v.lobes.evaluate(s.wi, classed ? &glossy : nullptr);
+        if constexpr (classed) {
+            const Mask sorted = andNot(others & v.states.are(WideClass::sorts), s.delta);
+            alive = andNot(alive, turn(v.states, sorted, value.f, glossy, uClass, value.f, next));
+        }
         weight = select(others, value.f * (abs(s.wi.z) / value.pdfW), weight);
         pdfW = select(others, value.pdfW, pdfW);
     }
     alive = alive & (s.delta | (pdfW > Float(0.f)));
     if (any(s.delta)) weight = select(s.delta, s.weight * (Float(1.f) / s.pmf), weight);
     alive = alive & notBlack(weight);
+    if constexpr (classed) {
+        if (any(s.delta)) {
+            const Int states = v.states.specular;
+            next = select(s.delta, select(s.transmitted, WideStates::transmitted(states), WideStates::reflected(states)), next);
+        }
+        alive = alive & (next != Int(0u));
+        p.state = next;
+    }
     // Lanes that end here may hold anything from now on; those that are alone read what they were told.
     p.throughput = p.throughput * weight;
     p.pdfW = any(s.delta) ? select(s.delta, -s.pmf, pdfW) : pdfW;
@@ -95,7 +165,8 @@ Mask PathFollower::scatter(PathPacket& p, const HitPacket& hits, const Vertex& v
 }
 
 // Lanes that the scalar closure answers for.
-Mask PathFollower::alone(PathPacket& p, const Vertex& v, const WidePick& uLight, const WidePick& uBsdf, Rgbw& albedo,
+template <bool classed>
+Mask PathFollower::alone(PathPacket& p, const Vertex& v, const WidePick& uLight, const WidePick& uBsdf, Float uClass, Rgbw& albedo,
                          Vec3w& normal) noexcept {
     const Mask m = v.alone;
     const WidePick* const picks[] = {&uLight, &uBsdf};
@@ -103,16 +174,23 @@ Mask PathFollower::alone(PathPacket& p, const Vertex& v, const WidePick& uLight,
         picks[i]->pick.store(told_.pick[i]);
         picks[i]->u.x.store(told_.u[i][0]), picks[i]->u.y.store(told_.u[i][1]);
     }
+    if constexpr (classed) uClass.store(told_.uClass);
     const auto rgb = [](const float(&values)[3][laneCount]) { return Rgbw(Float(values[0]), Float(values[1]), Float(values[2])); };
     const Rgbw before = rgb(told_.throughput);
-    const Mask alive(paths_.vertex(told_, m.bits(), maxDepth_));
+    const Mask alive(paths_.vertex(told_, m.bits(), wanted_));
     const auto vec = [](const float* x, const float* y, const float* z) { return Vec3w{Float(x), Float(y), Float(z)}; };
     albedo = select(m, rgb(told_.albedo), albedo);
     normal = select(m, vec(told_.normal[0], told_.normal[1], told_.normal[2]), normal);
     const RayPacket &s = told_.shadow, &n = told_.next;
-    if (const Mask lit = m & (Float(s.tfar) >= Float(0.f)); any(lit))
-        shadows_.append(lit, vec(s.ox, s.oy, s.oz), vec(s.dx, s.dy, s.dz), Float(s.tfar), p.time, before * rgb(told_.arriving), p.slot,
-                        needs_.time);
+    if (const Mask lit = m & (Float(s.tfar) >= Float(0.f)); any(lit)) {
+        const Vec3w from = vec(s.ox, s.oy, s.oz), way = vec(s.dx, s.dy, s.dz);
+        const Rgbw brings = before * rgb(told_.arriving[0]);
+        if constexpr (classed)
+            bring(p, lit, from, way, Float(s.tfar), {brings, before * rgb(told_.arriving[1]), Int(told_.layer[0]), Int(told_.layer[1])});
+        else
+            shadows_.append(lit, from, way, Float(s.tfar), p.time, brings, p.slot, needs_.time);
+    }
+    if constexpr (classed) p.state = select(alive, Int(told_.state), p.state);
     p.throughput = select(alive, rgb(told_.throughput), p.throughput);
     p.pdfW = select(alive, Float(told_.pdfW), p.pdfW);
     p.spread = select(alive, Float(told_.spread), p.spread);
@@ -126,14 +204,22 @@ Mask PathFollower::alone(PathPacket& p, const Vertex& v, const WidePick& uLight,
 }
 
 // What follows once the surfaces are known. plain: no lane has more than a diffuse base, none is alone.
-template <bool plain> CHIARO_LANE void PathFollower::shade(PathPacket& p, Mask m, const HitPacket& hits, Vertex& v, bool first) noexcept {
+template <bool plain, bool classed>
+CHIARO_LANE void PathFollower::shade(PathPacket& p, Mask m, const HitPacket& hits, Vertex& v, bool first) noexcept {
     if constexpr (plain) {
         v.alone = Mask();
         v.lobes.diffuseAlone();
     }
-    find(p, m, hits, v);
+    Mask more = v.hit;
+    if constexpr (classed) {
+        v.states.load(rows_, p.state, m);
+        more = more & v.states.are(WideClass::continues);
+    } else {
+        more = more & (p.depth < Int(maxDepth_));
+    }
+    find<classed>(p, m, hits, v);
+    if (classed && !first && none(more)) return; // nothing is wanted but what has been found
     face(p, v);
-    const Mask more = v.hit & (p.depth < Int(maxDepth_));
     Vec3w normal{Float(0.f), Float(0.f), Float(0.f)};
     if (first) {
         v.albedo = select(v.lanes, v.lobes.albedo(), v.albedo);
@@ -144,12 +230,18 @@ template <bool plain> CHIARO_LANE void PathFollower::shade(PathPacket& p, Mask m
     // Together: the processor works on both at once.
     const WidePick uLight = sampler.get3D(mixedAt<startDimensions, 8>(p.depth, shallow), !oneLight_ || any(v.alone));
     const WidePick uBsdf = sampler.get3D(mixedAt<startDimensions + 3, 8>(p.depth, shallow), any(v.alone | v.lobes.others()));
+    Float uClass(0.f);
     Mask asks = more & v.lanes & v.lobes.smooth();
+    if constexpr (classed) {
+        asks = asks & v.states.are(WideClass::connects);
+        if (any(more & v.states.are(WideClass::sorts) & (v.alone | v.lobes.others())))
+            uClass = sampler.get1D(mixedAt<startDimensions + 6, 8>(p.depth, shallow));
+    }
     if (fault(Fault::bounceDropped)) asks = asks & (p.depth != Int(1u));
-    if (settings_.nee && any(asks)) direct(p, v, asks, uLight);
+    if (settings_.nee && any(asks)) direct<classed>(p, v, asks, uLight);
     Mask alive;
-    if (const Mask here = more & v.lanes; any(here)) alive = scatter(p, hits, v, here, uBsdf);
-    if (any(v.alone)) alive = alive | alone(p, v, uLight, uBsdf, v.albedo, normal);
+    if (const Mask here = more & v.lanes; any(here)) alive = scatter<classed>(p, hits, v, here, uBsdf, uClass);
+    if (any(v.alone)) alive = alive | alone<classed>(p, v, uLight, uBsdf, uClass, v.albedo, normal);
     if (first) {
         for (std::size_t c = 0; c < 3; ++c) v.albedo.c[c].store(samples_.albedo[c] + firstSlot_);
         normal.x.store(samples_.normal[0] + firstSlot_);
@@ -168,7 +260,7 @@ template <bool plain> CHIARO_LANE void PathFollower::shade(PathPacket& p, Mask m
 }
 
 // One vertex of sixteen paths, whose rays have been traced. What goes on is packed into the stream.
-[[gnu::flatten]] void PathFollower::group(PathPacket& p, Mask m, const HitPacket& hits, bool first) noexcept {
+template <bool classed> [[gnu::flatten]] void PathFollower::group(PathPacket& p, Mask m, const HitPacket& hits, bool first) noexcept {
     Vertex v;
     v.albedo = Rgbw(Float(0.f));
     v.hit = m & (Int(hits.geometry) != Int(Hit::none));
@@ -184,9 +276,9 @@ template <bool plain> CHIARO_LANE void PathFollower::shade(PathPacket& p, Mask m
         meet(p, hits, v);
     }
     if (none(v.alone | (v.lanes & ((v.flags & Int(WideMaterial::lobes)) != Int(0u)))))
-        shade<true>(p, m, hits, v, first);
+        shade<true, classed>(p, m, hits, v, first);
     else
-        shade<false>(p, m, hits, v, first);
+        shade<false, classed>(p, m, hits, v, first);
 }
 
 void PathFollower::begin(const StartPacket& start) noexcept {
@@ -204,9 +296,11 @@ void PathFollower::begin(const StartPacket& start) noexcept {
     for (uint32_t k = 0; k < laneCount; ++k) slots[k] = start.first + k;
     p.slot = Int(slots);
     p.depth = p.medium = Int(0u);
+    p.state = Int(uint32_t(eye_));
     p.keyLow = Int(start.keyLow), p.keyHigh = Int(start.keyHigh), p.sample = Int(start.sample);
     firstSlot_ = start.first;
-    group(p, firstLanes(start.count), start.traced.hits, true);
+    needs_.state ? group<true>(p, firstLanes(start.count), start.traced.hits, true)
+                 : group<false>(p, firstLanes(start.count), start.traced.hits, true);
 }
 
 // The next packet is traced before one is shaded: what shading will read comes meanwhile.
@@ -233,7 +327,8 @@ void PathFollower::follow(StartSource& source) noexcept {
         for (uint32_t at = 0; at < end; at += laneCount, turn ^= 1) {
             if (at + laneCount < end) traceNext(at + laneCount, lanes(at + laneCount), traced_[turn ^ 1]);
             p.load(stream_, at, needs_);
-            group(p, firstLanes(lanes(at)), traced_[turn].hits, false);
+            needs_.state ? group<true>(p, firstLanes(lanes(at)), traced_[turn].hits, false)
+                         : group<false>(p, firstLanes(lanes(at)), traced_[turn].hits, false);
         }
         if (end < under) {
             p.load(stream_, end, needs_);

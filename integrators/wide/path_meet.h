@@ -10,10 +10,10 @@ CHIARO_LANE void PathFollower::lay(const PathPacket& p, RayPacket& rays) noexcep
     p.d.x.store(rays.dx), p.d.y.store(rays.dy), p.d.z.store(rays.dz);
     Float(0.f).store(rays.tnear), Float(infinity).store(rays.tfar), p.time.store(rays.time);
 }
-CHIARO_LANE void PathFollower::add(PathPacket& p, Mask m, const Rgbw& light) noexcept {
-    alignas(64) uint32_t slot[laneCount];
-    p.slot.store(slot);
-    addTo(samples_.found, slot, m, light.c[0], light.c[1], light.c[2]);
+CHIARO_LANE void PathFollower::add(Int sums, Mask m, const Rgbw& light) noexcept {
+    alignas(64) uint32_t at[laneCount];
+    sums.store(at);
+    addTo(samples_.found, at, m, light.c[0], light.c[1], light.c[2]);
 }
 void PathFollower::tell(const PathPacket& p, const HitPacket& hits) noexcept {
     lay(p, told_.rays);
@@ -24,7 +24,7 @@ void PathFollower::tell(const PathPacket& p, const HitPacket& hits) noexcept {
     for (const Float& v : {p.fromNg.x, p.fromNg.y, p.fromNg.z}) v.store(told_.fromNg[k++]);
     for (std::size_t c = 0; c < 3; ++c) p.throughput.c[c].store(told_.throughput[c]);
     p.pdfW.store(told_.pdfW), p.depth.store(told_.depth), p.medium.store(told_.medium);
-    p.width.store(told_.width), p.spread.store(told_.spread), p.hero.store(told_.hero);
+    p.width.store(told_.width), p.spread.store(told_.spread), p.hero.store(told_.hero), p.state.store(told_.state);
 }
 
 // Points and materials; what the inside of a solid lets through.

@@ -13,12 +13,12 @@ struct PathPacket {
     Float time;
     Float hero;          // the wavelength of a path that dispersion has parted
     Float width, spread; // of the ray cone: where the ray began, and once it has met something there; opening angle
-    Int slot, depth, medium, keyLow, keyHigh, sample;
+    Int slot, depth, medium, keyLow, keyHigh, sample, state;
 
     // What this scene needs of it: a light tree the normal, an inside that light crosses its material, filtered textures the cone, what
-    // moves the time, dispersion the wavelength.
+    // moves the time, dispersion the wavelength; and path classes that ask for more than a depth the state.
     struct Needs {
-        bool normal = false, medium = false, cone = false, time = false, hero = false;
+        bool normal = false, medium = false, cone = false, time = false, hero = false, state = false;
     };
     template <class F, class I> CHIARO_LANE void each(Needs needs, F&& real, I&& whole) noexcept {
         real(0, o.x), real(1, o.y), real(2, o.z);
@@ -32,10 +32,11 @@ struct PathPacket {
         if (needs.hero) real(19, hero);
         whole(0, slot), whole(1, depth), whole(2, keyLow), whole(3, keyHigh), whole(4, sample);
         if (needs.medium) whole(5, medium);
+        if (needs.state) whole(6, state);
     }
     CHIARO_LANE void load(const PathStream& s, uint32_t at, Needs needs) noexcept {
         fromNg = {Float(0.f), Float(0.f), Float(1.f)};
-        medium = Int(0u);
+        medium = state = Int(0u);
         width = spread = time = hero = Float(0.f);
         each(
             needs, [&](int k, Float& v) { v = Float(s.f[k] + at); }, [&](int k, Int& v) { v = Int(s.i[k] + at); });
@@ -47,16 +48,21 @@ struct PathPacket {
     }
 };
 
-// Shadow rays that wait for company, and what they bring where nothing stops them.
+// Shadow rays that wait for company, and what they bring where nothing stops them: to one sum, or where layers part what a lobe scatters to
+// two.
 struct ShadowQueue {
     static constexpr uint32_t room = 8 * laneCount;
     alignas(64) float f[11][room]; // origin, direction, tfar, time, RGB
     alignas(64) uint32_t slot[room];
+    alignas(64) float second[3][room]; // RGB
+    alignas(64) uint32_t secondSlot[room];
     TracePacket packet{};
     uint32_t first = 0, count = 0; // those that wait begin at a multiple of sixteen
+    bool two = false;              // every ray has a second sum to which it brings something, be it nothing
 
-    CHIARO_LANE void append(Mask m, const Vec3w& o, const Vec3w& d, Float tfar, Float time, const Rgbw& brings, Int slots,
-                            bool moves) noexcept {
+    // Answers where the first of them is until the next call.
+    CHIARO_LANE uint32_t append(Mask m, const Vec3w& o, const Vec3w& d, Float tfar, Float time, const Rgbw& brings, Int slots,
+                                bool moves) noexcept {
         if (first + count > room - 2 * laneCount) rewind();
         const uint32_t end = first + count;
         const auto put = [&](int k, Float v) { storePacked(f[k] + end, m, v); };
@@ -65,6 +71,11 @@ struct ShadowQueue {
         put(8, brings.c[0]), put(9, brings.c[1]), put(10, brings.c[2]);
         storePacked(slot + end, m, slots);
         count += chiaro::CHIARO_ISA::count(m);
+        return end;
+    }
+    CHIARO_LANE void appendSecond(uint32_t at, Mask m, const Rgbw& brings, Int slots) noexcept {
+        for (int c = 0; c < 3; ++c) storePacked(second[c] + at, m, brings.c[std::size_t(c)]);
+        storePacked(secondSlot + at, m, slots);
     }
     // Traces the first sixteen, or what there is.
     CHIARO_LANE void flush(const Accel& hierarchy, SampleLanes& to, bool moves) noexcept {
@@ -76,7 +87,9 @@ struct ShadowQueue {
         const uint32_t stopped = hierarchy.stopped(packet, n);
         const Mask lit(~stopped & ((1u << n) - 1));
         const Float r(f[8] + first), g(f[9] + first), b(f[10] + first);
-        if (n == laneCount)
+        if (two && any(lit & parted()))
+            addBoth(to.direct, lit);
+        else if (n == laneCount)
             addTo<true>(to.direct, slot + first, lit, r, g, b);
         else
             addTo(to.direct, slot + first, lit, r, g, b);
@@ -85,11 +98,25 @@ struct ShadowQueue {
     }
 
 private:
+    CHIARO_LANE Mask parted() const noexcept {
+        return notBlack({Float(second[0] + first), Float(second[1] + first), Float(second[2] + first)});
+    }
+    // Ray after ray: two rays of one path may wait here, and their order may not depend on what waits beside them.
+    CHIARO_LANE void addBoth(float (*sums)[4], Mask lit) const noexcept {
+        for (uint32_t bits = lit.bits(); bits; bits &= bits - 1) {
+            const uint32_t k = first + uint32_t(__builtin_ctz(bits));
+            for (uint32_t c = 0; c < 3; ++c) sums[slot[k]][c] += f[8 + c][k];
+            for (uint32_t c = 0; c < 3; ++c) sums[secondSlot[k]][c] += second[c][k];
+        }
+    }
     // To the beginning of the room, sixteen after sixteen: what is written over has been read.
     void rewind() noexcept {
         for (uint32_t k = 0; k < count; k += laneCount) {
             for (auto& values : f) Float(values + first + k).store(values + k);
             Int(slot + first + k).store(slot + k);
+            if (!two) continue;
+            for (auto& values : second) Float(values + first + k).store(values + k);
+            Int(secondSlot + first + k).store(secondSlot + k);
         }
         first = 0;
     }

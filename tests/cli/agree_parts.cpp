@@ -1,6 +1,7 @@
 // The parts of chiaro agree that no registered integrator shows yet: the list behind -i, the limit of a method that converges, and the
 // verdict on synthetic methods.
 #include "core/render/error.h"
+#include "materials/closure_table.h"
 #include "scenes/builtin.h"
 #include "tools/cli/agree_run.h"
 #include "tools/cli/agree_verdict.h"
@@ -98,7 +99,7 @@ struct Course {
     Course(const IntegratorEntry& entry, bool confirm) : subjects(makeSubjects({{&entry, Options(entry.options)}}, {})) {
         Diagnostics notes;
         const BuiltinScene& builtin = *findBuiltin("@furnace");
-        const auto scene = Scene::compile(builtin.make(), notes);
+        const auto scene = Scene::compile(builtin.make(), notes, {}, nullptr, ClosureTable::make);
         View view;
         view.camera = Camera(scene->cameras()[0], size, size);
         view.width = view.height = size;

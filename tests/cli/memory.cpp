@@ -77,6 +77,19 @@ TEST_SUITE("cli-memory") {
         CHECK(sky.code == 6);
         CHECK(contains(sky.err, "needs about"));
         CHECK(run(folder, {"render", "t.gltf", "--size", "8x8", "--spp", "1", "--max-memory", "40M", "-q"}).code == 0);
+        chiaro::test::Builder many;
+        nlohmann::json drawn = nlohmann::json::array();
+        const auto positions = many.accessor(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0}, 3, "VEC3");
+        for (int i = 0; i < 2200; ++i)
+            drawn.push_back(
+                {{"attributes", {{"POSITION", positions}}}, {"material", many.add("materials", {{"name", std::to_string(i)}})}});
+        many.node({{"mesh", many.add("meshes", {{"primitives", drawn}})}});
+        folder.write("many.glb", many.asGlb());
+        const Outcome materials = run(folder, {"info", "many.glb", "--max-memory", "3M"});
+        CAPTURE(materials.err);
+        CHECK(materials.code == 6);
+        CHECK(contains(materials.err, "materials 5 MB"));
+        CHECK(contains(materials.err, "Use fewer materials"));
     }
 
     TEST_CASE("a picture is weighed beside its scene; the peak is told") {

@@ -142,6 +142,18 @@ TEST_SUITE("sheet") {
                 for (uint32_t x = left; x < left + 20; ++x) REQUIRE(c.rgb[3 * (std::size_t(y) * c.width + x)] == c.rgb[0]);
     }
 
+    TEST_CASE("names that differ look it, however much they have in common") {
+        const DisplayTransform display;
+        const auto sheet = [&](const std::string& steps) {
+            std::vector<report::Entry> entries(4, grey("radiosity:show=patch,solver=shoot,factors=hemisphere,steps=1", 64, 64, 0.2f));
+            entries[1].name = "radiosity:show=patch,solver=shoot,factors=hemisphere,steps=" + steps;
+            return drawSheet(reportOf(std::move(entries)), display);
+        };
+        const judge::Canvas same = sheet("1"), other = sheet("2");
+        REQUIRE(same.rgb.size() == other.rgb.size());
+        CHECK(same.rgb != other.rgb);
+    }
+
     TEST_CASE("reports that nobody expects still give a sheet") {
         const DisplayTransform display;
         CHECK(drawSheet(report::Report{}, display).width > 0);

@@ -125,7 +125,7 @@ TEST_SUITE("trace parts") {
     }
 
     TEST_CASE("with layers they sum to it but for the order of additions") {
-        const Told told(findBuiltin("@cornell-spheres")->make(), 24, {9, 17}, 60, "path", "paths");
+        const Told told(findBuiltin("@cornell-spheres")->make(), 24, {9, 17}, 60, "path:wide=off", "paths");
         double sum = 0, value = 0;
         for (const TracedSample& s : told.trace.sides[0].samples) {
             for (std::size_t c = 0; c < 3; ++c) CHECK(s.sum()[c] == doctest::Approx(s.value[c]).epsilon(1e-5));

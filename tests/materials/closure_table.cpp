@@ -71,7 +71,7 @@ MaterialDesc described(const BsdfParameters& p) {
 }
 
 // Of a triangle of each material.
-std::unique_ptr<const Scene> sceneOf(SceneDesc desc) {
+SceneDesc drawn(SceneDesc desc) {
     MeshDesc mesh{"triangles", {}};
     for (std::size_t i = 0; i < desc.materials.size(); ++i) {
         PrimitiveDesc triangle;
@@ -82,8 +82,11 @@ std::unique_ptr<const Scene> sceneOf(SceneDesc desc) {
     }
     desc.meshes.push_back(mesh);
     desc.instances.push_back({0, {}, "triangles"});
+    return desc;
+}
+std::unique_ptr<const Scene> sceneOf(SceneDesc desc) {
     Diagnostics notes;
-    return Scene::compile(std::move(desc), notes);
+    return Scene::compile(drawn(std::move(desc)), notes, {}, nullptr, ClosureTable::make);
 }
 
 } // namespace
@@ -114,7 +117,7 @@ TEST_SUITE("closure-table") {
         textured.metallicRoughnessTexture.texture = 0;
         desc.materials.push_back(textured);
         const auto scene = sceneOf(std::move(desc));
-        const ClosureTable& table = ClosureTable::of(*scene);
+        const ClosureTable& table = *ClosureTable::of(*scene);
         SurfacePoint s;
         s.ng = surface.z;
         s.ns = bent;
@@ -134,6 +137,23 @@ TEST_SUITE("closure-table") {
                 }
         }
     }
+    TEST_CASE("made with its scene, counted with it, and where it does not fit said there") {
+        SceneDesc desc;
+        desc.materials.push_back(described(closures[0].parameters));
+        desc = drawn(std::move(desc));
+        Diagnostics notes;
+        const auto with = Scene::compile(desc, notes, {}, nullptr, ClosureTable::make), without = Scene::compile(desc, notes);
+        REQUIRE(ClosureTable::of(*with));
+        CHECK(ClosureTable::of(*without) == nullptr);
+        CHECK(with->counts().bytes.materials == without->counts().bytes.materials + with->table()->bytes());
+        CHECK(with->counts().bytes.materials <= forecast({.materials = 2}).kept.materials); // glTF's default is the second
+        SurfacePoint s;
+        s.ng = s.ns = surface.z;
+        Wavelengths lambda;
+        CHECK(same(shade(*with, s, ways[0], {}, lambda), shade(*without, s, ways[0], {}, lambda), true));
+        const Scene::MakeTable full = [](const Scene&) -> std::unique_ptr<const SceneTable> { throw std::bad_alloc(); };
+        CHECK_THROWS_AS(Scene::compile(desc, notes, {}, nullptr, full), std::bad_alloc);
+    }
     TEST_CASE("an inside that dims is known") {
         for (const bool dims : {false, true}) {
             SceneDesc desc;
@@ -144,7 +164,7 @@ TEST_SUITE("closure-table") {
             if (dims) glass.attenuationDistance = 1;
             desc.materials.push_back(glass);
             const auto scene = sceneOf(std::move(desc));
-            CHECK(ClosureTable::of(*scene).absorbs() == dims);
+            CHECK(ClosureTable::of(*scene)->absorbs() == dims);
         }
     }
 }

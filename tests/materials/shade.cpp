@@ -1,6 +1,7 @@
 // From material and textures to the closure: channels and transfer functions, normal maps, back faces, absorption of solids.
 #include "core/render/error.h"
 #include "materials/bsdf.h"
+#include "materials/closure_table.h"
 #include <cstring>
 #include <doctest/doctest.h>
 
@@ -31,7 +32,7 @@ struct Build {
             desc.instances.push_back({int(m), {}, "quad"});
         }
         Diagnostics notes;
-        return Scene::compile(std::move(desc), notes);
+        return Scene::compile(std::move(desc), notes, {}, nullptr, ClosureTable::make);
     }
 };
 

@@ -1,6 +1,7 @@
 // Every texture slot of the further lobes: which channel, under which transfer function, times which factor.
 #include "core/render/error.h"
 #include "materials/bsdf.h"
+#include "materials/closure_table.h"
 #include "materials/possible_events.h"
 #include "materials/surface_parameters.h"
 #include <array>
@@ -32,7 +33,7 @@ std::unique_ptr<const Scene> compiled(MaterialDesc m) {
     desc.meshes.push_back({"quad", {p}});
     desc.instances.push_back({0, {}, "quad"});
     Diagnostics notes;
-    return Scene::compile(std::move(desc), notes);
+    return Scene::compile(std::move(desc), notes, {}, nullptr, ClosureTable::make);
 }
 SurfacePoint at() {
     SurfacePoint s{};

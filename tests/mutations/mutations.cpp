@@ -32,7 +32,7 @@ std::string outcome(const fs::path& file, const GltfOptions& options, Diagnostic
     try {
         SceneDesc desc = readGltf(file, options, notes);
         if (desc.lights.empty()) desc.environment = uniformSky(1);
-        const auto scene = Scene::compile(std::move(desc), notes);
+        const auto scene = Scene::compile(std::move(desc), notes, {}, nullptr, ClosureTable::make);
         const CameraDesc camera = scene->cameras().empty() ? frameScene(*scene, 1) : scene->cameras()[0];
         Settings s;
         s.width = s.height = 8;

@@ -88,7 +88,7 @@ struct Shining : Builder {
         options.run = run;
         SceneDesc desc = read(folder, notes, options);
         CHECK(notes.warnings().empty());
-        return Scene::compile(std::move(desc), notes, {}, run);
+        return Scene::compile(std::move(desc), notes, {}, run, ClosureTable::make);
     }
 };
 

@@ -37,7 +37,7 @@ std::unique_ptr<const Film> picture(const Stage& s, const PathQuery& q, Settings
     FilmLayout layout = bench.layout();
     layout.layers = bench.classes.layerNames();
     auto film = std::make_unique<Film>(layout);
-    bench.render(*film, "path:wide=off"); // masks and layers follow path by path: what is compared with them does so too
+    bench.render(*film);
     CHECK(film->dropped() == 0);
     return film;
 }

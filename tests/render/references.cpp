@@ -32,7 +32,7 @@ std::unique_ptr<const Scene> load(const fs::path& file) {
         desc.environment = readEnvironment(file.parent_path() / sheet["environment"]["file"].get<std::string>(), notes);
         desc.environment->scale = sheet["environment"]["scale"];
     }
-    return Scene::compile(std::move(desc), notes);
+    return Scene::compile(std::move(desc), notes, {}, nullptr, ClosureTable::make);
 }
 
 struct Difference {

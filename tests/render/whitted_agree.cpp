@@ -55,7 +55,7 @@ std::unique_ptr<const Scene> shared(const std::string& name) {
         const fs::path at = fs::path("../shared/scenes") / name / file;
         if (!fs::exists(at)) continue;
         Diagnostics notes;
-        return Scene::compile(readGltf(at, {}, notes), notes);
+        return Scene::compile(readGltf(at, {}, notes), notes, {}, nullptr, ClosureTable::make);
     }
     std::printf("SKIPPED: ../shared/scenes/%s is not here\n", name.c_str());
     return nullptr;

@@ -1,5 +1,6 @@
 // Growth with triangles: one room, one lamp, and in it a rough stone of ten thousand, a hundred thousand, a million triangles: what it
 // takes to build, to keep and to ask.
+#include "materials/closure_table.h"
 #include "scenes/shapes.h"
 #include "tools/bench/memory.h"
 #include "tools/bench/rays.h"
@@ -72,7 +73,7 @@ SceneDesc stoneRoom(uint64_t triangles) {
 std::optional<std::vector<double>> measure(const Request& request, SceneDesc desc, std::size_t before, const Executor& run,
                                            Stopwatch& watch, double& spread, FunctionRef<void()> built) {
     const auto begin = Clock::now();
-    const auto scene = Scene::compile(std::move(desc), request.notes, request.isa, &run);
+    const auto scene = Scene::compile(std::move(desc), request.notes, request.isa, &run, ClosureTable::make);
     const double seconds = secondsSince(begin), n = double(scene->counts().triangles);
     built();
     const double peak = before > 0 ? double(peakBytes()) - double(before) : NAN;

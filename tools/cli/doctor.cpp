@@ -3,6 +3,7 @@
 #include "integrators/registry.h"
 #include "io/color.h"
 #include "io/replace_file.h"
+#include "materials/closure_table.h"
 #include "scenes/builtin.h"
 #include "tools/cli/command.h"
 #include "tools/cli/console.h"
@@ -69,7 +70,7 @@ std::string selfTest() {
     const BuiltinScene* furnace = findBuiltin("@furnace");
     if (!furnace) throw Error(Exit::failed, "@furnace is missing");
     Diagnostics notes;
-    const auto scene = Scene::compile(furnace->make(), notes);
+    const auto scene = Scene::compile(furnace->make(), notes, {}, nullptr, ClosureTable::make);
     View view;
     view.camera = Camera(scene->cameras()[0], edge, edge);
     view.width = view.height = edge;

@@ -59,9 +59,13 @@ std::string asOption(double bytes) {
     return bytes < 1e9 ? fmt::format("{:.0f}M", std::ceil(bytes / 1e6)) : fmt::format("{:.0f}G", std::ceil(bytes / 1e9));
 }
 
-std::array<std::pair<const char*, std::size_t>, 5> named(const SceneBytes& b) {
-    return {
-        {{"geometry", b.geometry}, {"hierarchy", b.hierarchy}, {"placement", b.placement}, {"lights", b.lights}, {"textures", b.textures}}};
+std::array<std::pair<const char*, std::size_t>, 6> named(const SceneBytes& b) {
+    return {{{"geometry", b.geometry},
+             {"hierarchy", b.hierarchy},
+             {"placement", b.placement},
+             {"lights", b.lights},
+             {"materials", b.materials},
+             {"textures", b.textures}}};
 }
 
 [[noreturn]] void terminated() {
@@ -111,12 +115,15 @@ void admitScene(const std::string& name, const SceneSizes& sizes, const MemoryBu
     const SceneForecast f = forecast(sizes);
     if (f.most <= budget.bytes) return;
     const double triangles = double(f.kept.geometry + f.kept.hierarchy), textures = double(f.kept.textures),
-                 places = double(f.kept.placement), lights = double(f.kept.lights);
+                 places = double(f.kept.placement), lights = double(f.kept.lights), materials = double(f.kept.materials);
     std::string parts;
-    for (const auto& [part, bytes] : {std::pair{"triangles", triangles}, {"textures", textures}, {"instances", places}, {"lights", lights}})
+    for (const auto& [part, bytes] :
+         {std::pair{"triangles", triangles}, {"textures", textures}, {"instances", places}, {"lights", lights}, {"materials", materials}})
         if (bytes > 0.02 * double(f.most)) parts += fmt::format("{}{} {}", parts.empty() ? " (" : ", ", part, memorySize(bytes));
     if (!parts.empty()) parts += ')';
-    const char* remedy = textures > triangles ? "Make the textures smaller" : "Use fewer triangles, or instances of shared meshes";
+    const char* remedy = textures > triangles && textures > materials ? "Make the textures smaller"
+                         : materials > triangles                      ? "Use fewer materials"
+                                                                      : "Use fewer triangles, or instances of shared meshes";
     throw Error(Exit::resources,
                 fmt::format("{} needs about {}{}, {}. {}{}.", name, memorySize(double(f.most)), parts, budget.text(), remedy,
                             budget.given ? fmt::format(", or --max-memory {}", asOption(double(f.most) * 1.05)) : std::string()));

@@ -98,7 +98,7 @@ int Run::render(Earlier earlier) {
     const StopOnSignal signals(stop);
     ProgressBar progress(s_.progress, s_.quiet, s_.budget.seconds);
     const Work work{*loaded_.scene, s_.classes, view_.shutter, s_.seed, s_.sampler,
-                    run_,           stop,       progress,      notes_,  s_.scene.memory.beside(*loaded_.scene)};
+                    run_,           stop,       progress,      notes_,  s_.scene.memory.beside(*loaded_.scene) - layout.bytes()};
     const auto begin = std::chrono::steady_clock::now();
     const auto spent = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
     PrepassSolver solver(s_.prepass, s_.scene);

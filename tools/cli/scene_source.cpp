@@ -2,6 +2,7 @@
 #include "core/scene/camera.h"
 #include "io/file_bytes.h"
 #include "io/image_read.h"
+#include "materials/closure_table.h"
 #include "scenes/builtin.h"
 #include "tools/cli/command.h"
 #include <algorithm>
@@ -178,7 +179,7 @@ LoadedScene loadScene(const SceneRequest& request, Diagnostics& notes, const Exe
     noteTime(request, desc, loaded, notes);
     lightScene(desc, request, loaded, notes);
     if (look) look(desc);
-    loaded.scene = Scene::compile(std::move(desc), notes, request.isa, &run);
+    loaded.scene = Scene::compile(std::move(desc), notes, request.isa, &run, ClosureTable::make);
     loaded.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return loaded;
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <string_view>
 
 namespace chiaro::cli {
 namespace {
@@ -129,9 +130,24 @@ std::vector<Line> brokenLines(const std::vector<Word>& pieces, uint32_t width, u
     return lines;
 }
 
+// A name as pieces that have room in a line: one with many options is broken behind them, so that names which differ look it.
+std::vector<Word> nameOf(std::string_view name, std::size_t most) {
+    std::vector<Word> pieces(1, {"", ink});
+    while (!name.empty()) {
+        const std::string option(name.substr(0, std::min(name.find_first_of(":,"), name.size() - 1) + 1));
+        std::string& last = pieces.back().text;
+        if (last.empty() || judge::characters(last) + judge::characters(option) <= most)
+            last += option;
+        else
+            pieces.push_back({option, ink});
+        name.remove_prefix(option.size());
+    }
+    return pieces;
+}
+
 // The name and the verdict, then the figures.
 std::vector<Line> labelOf(const report::Entry& e, uint32_t width, uint32_t letters) {
-    std::vector<Word> heading{{e.name, ink}};
+    std::vector<Word> heading = nameOf(e.name, charactersIn(width, letters));
     if (Word verdict = wordOf(e.standing); !verdict.text.empty() && verdict.text != e.name) heading.push_back(std::move(verdict));
     std::vector<Line> lines = brokenLines(heading, width, letters);
     for (Line& line : brokenLines(figuresOf(e), width, letters)) lines.push_back(std::move(line));
