@@ -5,6 +5,7 @@
 #include "integrators/entries.h"
 #include "integrators/path_wide.h"
 #include "integrators/transport.h"
+#include "materials/surface_parameters.h"
 #include <new>
 
 namespace chiaro {
@@ -101,7 +102,8 @@ void Path::radiance(const Job& job, PathStart& start, Outputs& out) const noexce
         throughput *= next.weight;
         float boost = 1;
         if (depth >= settings_.rouletteDepth) {
-            const float survive = min(maxComponent(throughput), 0.95f);
+            const float inside = dot(at.ng, sample->wi) < 0 ? squaredIndexInside(scene.material(at.material)) : 1.f;
+            const float survive = min(maxComponent(throughput) * inside, 0.95f);
             if (!(sampler.get1D() < survive)) return ended(out, "roulette");
             boost = fault(Fault::rouletteUnweighted) ? 1 : 1 / survive;
             throughput *= boost;

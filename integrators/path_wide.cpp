@@ -61,7 +61,7 @@ float PathSettings::hitWeight(bool delta, float pdfW, float lightPdfW) const noe
 
 WidePaths::WidePaths(const Job& job, const PathSettings& settings, uint32_t length)
     : scene_(job.scene), settings_(settings), length_(std::clamp(length, PathStream::least, PathStream::most)), surfaces_(scene_, &job.run),
-      materials_(scene_), lights_(scene_), textures_(scene_, surfaces_), classes_(job.classes), dispersive_(parts(scene_)) {}
+      materials_(scene_), lights_(scene_), textures_(scene_, surfaces_, &job.run), classes_(job.classes), dispersive_(parts(scene_)) {}
 
 std::unique_ptr<const WidePaths> WidePaths::make(const Job& job, const PathSettings& settings, uint32_t length) {
     if (!program(job.scene) || job.sampler != SamplerKind::sobol) return nullptr;

@@ -74,6 +74,8 @@ bool hasFurtherLobes(const MaterialDesc& m) noexcept {
 
 bool hasInside(const MaterialDesc& m) noexcept { return m.volume && (m.transmission > 0 || m.diffuseTransmission > 0) && m.metallic < 1; }
 
+float squaredIndexInside(const MaterialDesc& m) noexcept { return hasInside(m) && m.transmission > 0 && m.ior > 0 ? m.ior * m.ior : 1; }
+
 BsdfParameters surfaceParameters(const SlotReader& read, const MaterialDesc& m, const SurfacePoint& s) noexcept {
     BsdfParameters p;
     if (m.unlit) {

@@ -17,5 +17,8 @@ bool hasFurtherLobes(const MaterialDesc&) noexcept;
 
 // Is there an inside, which light can be in?
 bool hasInside(const MaterialDesc&) noexcept;
+// n^2 inside a solid that refracts, else 1: radiance is larger there by that factor (Veach 1997, section 5.2), and the throughput of a path
+// that looks in is smaller. What leaves multiplies it again, so that roulette must not take it for loss.
+float squaredIndexInside(const MaterialDesc&) noexcept;
 
 } // namespace chiaro

@@ -59,6 +59,7 @@ WideMaterials::WideMaterials(const Scene& scene) {
         r.alpha = w.alpha, r.ior = w.ior, r.metallic = w.metallic, r.f90 = w.f90, r.coat = w.coat, r.glass = w.glass;
         put(r.f0, w.f0);
         r.laterAverage = 1;
+        r.squaredIndex = squaredIndexInside(m);
         if (!(r.flags & WideMaterial::scalar) && w.metallic > 0 && w.alpha >= leastCompensated && m.compensated) {
             flag(WideMaterial::compensated, true);
             r.laterAverage = AlbedoSlice(w.alpha, w.ior).average().one;

@@ -38,7 +38,8 @@ struct alignas(64) WideMaterial {
     float emission[3];           // cd/m2
     uint32_t columns;            // where its albedo begins in the table, in floats
     float laterAverage;          // mean albedo of a white facet
-    float unused[11];
+    float squaredIndex;          // squaredIndexInside()
+    float unused[10];
 };
 
 class WideMaterials {

@@ -80,21 +80,11 @@ WideSurfaces::WideSurfaces(const Scene& scene, const Executor* run) : moves_(!sc
         if (known) total += g.triangles();
     }
     triangles_.resize(std::max<std::size_t>(total, 1)); // lanes without a hit read the first one
-    struct Block {                                      // what one task fills
-        std::size_t geometry;
-        uint32_t begin, end;
-    };
-    constexpr uint32_t most = 16384;
-    std::vector<Block> blocks;
-    for (std::size_t k = 0; k < scene.geometries_.size(); ++k) {
-        const uint32_t count = firsts_[k] == none ? 0 : scene.geometries_[k].triangles();
-        for (uint32_t begin = 0; begin < count; begin += std::min(most, count - begin))
-            blocks.push_back({k, begin, begin + std::min(most, count - begin)});
-    }
-    inParallel(run, blocks.size(), [&](uint64_t b) {
-        const std::size_t k = blocks[b].geometry;
+    const std::vector<Block> all = blocks(scene);
+    inParallel(run, all.size(), [&](uint64_t b) {
+        const std::size_t k = all[b].geometry;
         const Geometry& g = scene.geometries_[k];
-        for (uint32_t i = blocks[b].begin; i < blocks[b].end; ++i) {
+        for (uint32_t i = all[b].begin; i < all[b].end; ++i) {
             WideTriangle& t = triangles_[firsts_[k] + i];
             const auto corner = g.triangle(i);
             const auto put = [](float(&to)[3], const Vec3& v) { to[0] = v.x, to[1] = v.y, to[2] = v.z; };
@@ -107,6 +97,17 @@ WideSurfaces::WideSurfaces(const Scene& scene, const Executor* run) : moves_(!sc
             if (smooth) encode(g.normals[corner[0]], g.normals[corner[1]], g.normals[corner[2]], t.normals);
         }
     });
+}
+
+std::vector<WideSurfaces::Block> WideSurfaces::blocks(const Scene& scene) const {
+    constexpr uint32_t most = 16384;
+    std::vector<Block> all;
+    for (std::size_t k = 0; k < scene.geometries_.size(); ++k) {
+        const uint32_t count = firsts_[k] == none ? 0 : scene.geometries_[k].triangles();
+        for (uint32_t begin = 0; begin < count; begin += std::min(most, count - begin))
+            all.push_back({k, begin, begin + std::min(most, count - begin)});
+    }
+    return all;
 }
 
 } // namespace chiaro

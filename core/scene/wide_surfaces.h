@@ -38,6 +38,11 @@ public:
     bool moves() const noexcept { return moves_; }        // anything in the scene: rays need their times
     static const Accel& hierarchy(const Scene&) noexcept; // for those who trace packets in place
     bool instanced() const noexcept { return !instances_.empty(); }
+    struct Block { // triangles of one geometry that one task makes something of
+        std::size_t geometry;
+        uint32_t begin, end;
+    };
+    std::vector<Block> blocks(const Scene&) const; // of all triangles with a record
     std::size_t bytes() const noexcept {
         return firsts_.size() * sizeof(uint32_t) + triangles_.size() * sizeof(WideTriangle) + instances_.size() * sizeof(WideInstance);
     }

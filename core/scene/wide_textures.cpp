@@ -1,5 +1,6 @@
 #include "core/scene/wide_textures.h"
 #include "core/render/fault.h"
+#include "core/render/in_parallel.h"
 #include "core/scene/accel.h"
 #include "core/scene/ray_cone.h"
 #include "core/scene/scene.h"
@@ -8,7 +9,7 @@
 
 namespace chiaro {
 
-WideTextures::WideTextures(const Scene& scene, const WideSurfaces& surfaces) : filtered_(scene.textures().filtered()) {
+WideTextures::WideTextures(const Scene& scene, const WideSurfaces& surfaces, const Executor* run) : filtered_(scene.textures().filtered()) {
     ofMaterial_.assign(scene.materials().size(), 0);
     for (uint32_t id = 0; id < scene.materials().size(); ++id)
         if (scene.material(id).baseColorTexture.texture >= 0) addTexture(scene, id);
@@ -31,14 +32,15 @@ WideTextures::WideTextures(const Scene& scene, const WideSurfaces& surfaces) : f
     }
     if (!filtered_) return;
     curvatures_.assign(records, 0);
-    for (std::size_t k = 0; k < scene.geometries_.size(); ++k) {
-        const Geometry& g = scene.geometries_[k];
-        if (g.normals.empty() || surfaces.firsts()[k] == WideSurfaces::none) continue;
+    const std::vector<WideSurfaces::Block> blocks = surfaces.blocks(scene);
+    inParallel(run, blocks.size(), [&](uint64_t b) {
+        const std::size_t k = blocks[b].geometry;
+        if (scene.geometries_[k].normals.empty()) return;
         SurfacePoint at;
         at.geometry = uint32_t(k);
-        for (at.triangle = 0; at.triangle < g.triangles(); ++at.triangle)
+        for (at.triangle = blocks[b].begin; at.triangle < blocks[b].end; ++at.triangle)
             curvatures_[surfaces.firsts()[k] + at.triangle] = scene.curvature(at);
-    }
+    });
 }
 
 void WideTextures::addTexture(const Scene& scene, uint32_t material) {

@@ -8,6 +8,7 @@
 
 namespace chiaro {
 
+class Executor;
 class Scene;
 class WideSurfaces;
 
@@ -28,7 +29,7 @@ struct alignas(64) WideTexture {
 class WideTextures {
 public:
     static constexpr uint32_t none = ~0u;
-    WideTextures(const Scene&, const WideSurfaces&);
+    WideTextures(const Scene&, const WideSurfaces&, const Executor* run = nullptr);
     bool filtered() const noexcept { return filtered_; } // do paths need a footprint?
     // Of a material with a base colour texture.
     const WideTexture& of(uint32_t material) const noexcept { return textures_[ofMaterial_[material]]; }

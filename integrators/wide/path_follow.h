@@ -1,6 +1,7 @@
 // The loop of WidePaths for one instruction set: Path::radiance (integrators/path.cpp) in lanes, step by step.
 #pragma once
 #include "integrators/wide/path_meet.h"
+#include <cstddef>
 
 namespace chiaro::CHIARO_ISA {
 
@@ -203,6 +204,13 @@ Mask PathFollower::alone(PathPacket& p, const Vertex& v, const WidePick& uLight,
     return alive;
 }
 
+// squaredIndexInside() of the materials whose inside the rays cross.
+CHIARO_LANE Float PathFollower::squaredIndex(Int medium, Mask m) const noexcept {
+    static_assert(sizeof(WideMaterial) == 32 * sizeof(float));
+    const Int material = (medium & Int(~VertexLanes::absorbs)) - Int(1u);
+    return gather(materials_ + offsetof(WideMaterial, squaredIndex) / sizeof(float), material << 5, m);
+}
+
 // What follows once the surfaces are known. plain: no lane has more than a diffuse base, none is alone.
 template <bool plain, bool classed>
 CHIARO_LANE void PathFollower::shade(PathPacket& p, Mask m, const HitPacket& hits, Vertex& v, bool first) noexcept {
@@ -249,7 +257,10 @@ CHIARO_LANE void PathFollower::shade(PathPacket& p, Mask m, const HitPacket& hit
         normal.z.store(samples_.normal[2] + firstSlot_);
     }
     if (const Mask risk = alive & (p.depth >= Int(settings_.rouletteDepth)); any(risk)) {
-        const Float survive = min(maxComponent(p.throughput), Float(0.95f));
+        Float carried = maxComponent(p.throughput);
+        if (const Mask inside = risk & (p.medium != Int(0u)); any(inside))
+            carried = select(inside, carried * squaredIndex(p.medium, inside), carried);
+        const Float survive = min(carried, Float(0.95f));
         alive = andNot(alive, andNot(risk, sampler.get1D(mixedAt<startDimensions + 7, 8>(p.depth, shallow)) < survive));
         if (!fault(Fault::rouletteUnweighted)) p.throughput = select(risk, p.throughput * (Float(1.f) / survive), p.throughput);
     }

@@ -68,6 +68,7 @@ private:
     Mask turn(const WideStates&, Mask sorted, const Rgbw& diffuse, const Rgbw& glossy, Float uClass, Rgbw& f, Int& next) noexcept;
     void tell(const PathPacket&, const HitPacket&) noexcept;
     void add(Int sums, Mask, const Rgbw&) noexcept;
+    Float squaredIndex(Int medium, Mask) const noexcept;
     static void lay(const PathPacket&, RayPacket&) noexcept;
 
     const WidePaths& paths_;

@@ -98,6 +98,30 @@ TEST_SUITE("glass") {
                    1e-3);
     }
 
+    TEST_CASE("roulette does not take the smaller throughput inside glass for loss") {
+        SceneDesc s;
+        const int glass = shapes::add(s, shapes::glass("glass", 1.5f));
+        shapes::add(s, "ball", shapes::sphere(1, 4), glass);
+        s.environment = uniformSky(1);
+        const auto scene = compiled(std::move(s));
+        for (const char* method : {"path:rr-depth=0", "path:rr-depth=0,wide=off"}) {
+            CAPTURE(method);
+            const Rendering r = rendered(*scene, perspective({0, 0, 4}, {0, 0, 0}, 0.3), {64, 64, 1}, method);
+            double sum = 0, squares = 0;
+            for (uint32_t y = 0; y < 64; ++y)
+                for (uint32_t x = 0; x < 64; ++x) {
+                    const double v = double(luminance(r.film->mean({x, y})));
+                    sum += v;
+                    squares += v * v;
+                }
+            const double mean = sum / 4096, variance = squares / 4096 - mean * mean;
+            // Two chances of .95 for nearly all paths: 1 / .95^2 - 1 = .108. By .444 for what has entered it would be 1.4.
+            CHECK(mean == doctest::Approx(1).epsilon(0.03));
+            CHECK(variance > 0.09);
+            CHECK(variance < 0.15);
+        }
+    }
+
     TEST_CASE("a surface without contrast to its surroundings changes nothing") {
         SceneDesc s;
         const int ghost = shapes::add(s, shapes::glass("ghost", 1));
