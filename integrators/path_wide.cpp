@@ -5,6 +5,7 @@
 #include "integrators/transport.h"
 #include "materials/bsdf.h"
 #include "materials/slot_reader.h"
+#include "materials/surface_parameters.h"
 #include <algorithm>
 
 namespace chiaro {
@@ -42,7 +43,7 @@ void put(float (&to)[3][VertexLanes::size], uint32_t k, const Spectrum& s) noexc
     for (std::size_t c = 0; c < 3; ++c) to[c][k] = s[c];
 }
 uint32_t mediumOf(const MaterialDesc& m, uint32_t id) noexcept {
-    if (!m.volume || !(m.transmission > 0 || m.diffuseTransmission > 0) || m.metallic >= 1) return 0;
+    if (!hasInside(m)) return 0;
     return (id + 1) | (std::isfinite(m.attenuationDistance) ? VertexLanes::absorbs : 0u);
 }
 PickAndPoint numbers(const VertexLanes& l, int i, uint32_t k) noexcept {

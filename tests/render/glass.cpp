@@ -34,6 +34,13 @@ MaterialDesc tinted() {
     m.attenuationColor = Spectrum(std::exp(-0.5f));
     return m;
 }
+std::unique_ptr<const Scene> ballInFurnace() {
+    SceneDesc s;
+    const int glass = shapes::add(s, shapes::glass("glass", 1.5f));
+    shapes::add(s, "ball", shapes::sphere(1, 4), glass);
+    s.environment = uniformSky(1);
+    return compiled(std::move(s));
+}
 // Looks down at the origin under an angle to the vertical.
 CameraDesc slanted(double degrees) {
     const double a = degrees * pi64 / 180;
@@ -87,23 +94,14 @@ TEST_SUITE("glass") {
     }
 
     TEST_CASE("glass in a furnace is invisible, and radiance inside it is n squared (C14)") {
-        SceneDesc s;
-        const int glass = shapes::add(s, shapes::glass("glass", 1.5f));
-        PrimitiveDesc ball = shapes::sphere(1, 4);
-        shapes::add(s, "ball", std::move(ball), glass);
-        s.environment = uniformSky(1);
-        const auto scene = compiled(std::move(s));
+        const auto scene = ballInFurnace();
         checkEqual(measure(*scene, perspective({0, 0, 4}, {0, 0, 0}, 0.6), {32, 32, 64, {}, 2}), 1, 0.002, 1e-3);
         checkEqual(measure(*scene, perspective({0.2, 0.1, 0.3}, {1, 0.3, 0}, 0.8), {32, 32, 256, {}, 2}, "path:rr-depth=64"), 2.25, 0.006,
                    1e-3);
     }
 
     TEST_CASE("roulette does not take the smaller throughput inside glass for loss") {
-        SceneDesc s;
-        const int glass = shapes::add(s, shapes::glass("glass", 1.5f));
-        shapes::add(s, "ball", shapes::sphere(1, 4), glass);
-        s.environment = uniformSky(1);
-        const auto scene = compiled(std::move(s));
+        const auto scene = ballInFurnace();
         for (const char* method : {"path:rr-depth=0", "path:rr-depth=0,wide=off"}) {
             CAPTURE(method);
             const Rendering r = rendered(*scene, perspective({0, 0, 4}, {0, 0, 0}, 0.3), {64, 64, 1}, method);
